@@ -88,7 +88,10 @@ mod tests {
         assert_eq!([1.0, 4.0, 5.0].map(area_of), [3.0, 3.0, 1.0]);
         // Two equal polygons are one piece.
         let twice = [square(0.0, 2.0, 1.0), square(0.0, 2.0, 0.5)];
-        assert_eq!(arrangement(&twice, 0.0, 1), Some(vec![square(0.0, 2.0, 1.5)]));
+        assert_eq!(
+            arrangement(&twice, 0.0, 1),
+            Some(vec![square(0.0, 2.0, 1.5)])
+        );
         assert_eq!(arrangement(&both, 0.0, 4), None, "a limit of pieces");
     }
 

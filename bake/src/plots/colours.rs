@@ -21,10 +21,41 @@ const SCALE: [[f64; 3]; 9] = [
     [68.0, 1.0, 84.0],
 ];
 
-/// Returns the step of a density, from 1 to [`STEPS`]; `None` for no light.
-pub(crate) fn step(density: f64, highest: f64) -> Option<usize> {
-    let share = density / highest;
-    (share > 0.0).then(|| ((share * STEPS as f64).ceil() as usize).clamp(1, STEPS))
+/// Part of all light that may be denser than the scale reaches.
+///
+/// Slivers where polygons barely overlap, and the noise of rays, would else make all colours pale.
+const BEYOND: f64 = 0.005;
+
+/// Scale of densities from 0.
+#[derive(Debug)]
+pub(crate) struct Scale {
+    /// Density at the end of the scale; 0 without light.
+    pub(crate) highest: f64,
+    /// Largest density of all, which has the colour of the end.
+    pub(crate) largest: f64,
+}
+
+impl Scale {
+    /// Makes a scale for densities, each with the light that has it.
+    pub(crate) fn of(mut light: Vec<[f64; 2]>) -> Scale {
+        light.sort_by(|p, q| q[0].total_cmp(&p[0]));
+        let all: f64 = light.iter().map(|[_, share]| share).sum();
+        let mut beyond = 0.0;
+        let reached = light.iter().find(|[_, share]| {
+            beyond += share;
+            beyond > BEYOND * all
+        });
+        Scale {
+            highest: reached.map_or(0.0, |[density, _]| *density),
+            largest: light.first().map_or(0.0, |[density, _]| *density),
+        }
+    }
+
+    /// Returns the step of a density, from 1 to [`STEPS`]; `None` for no light.
+    pub(crate) fn step(&self, density: f64) -> Option<usize> {
+        let share = density / self.highest;
+        (share > 0.0).then(|| ((share * STEPS as f64).ceil() as usize).clamp(1, STEPS))
+    }
 }
 
 /// Returns the colour of a step.
@@ -53,9 +84,17 @@ mod tests {
         };
         let all: Vec<f64> = (1..=STEPS).map(luminance).collect();
         assert!(all.windows(2).all(|pair| pair[0] > pair[1]), "{all:?}");
-        let steps = [0.0, 1e-9, 1.0 / 64.0, 0.5, 1.0, 1.5].map(|density| step(density, 1.0));
+    }
+
+    #[test]
+    fn the_scale_leaves_out_the_densest_slivers() {
+        // 0.4 % of the light has the density 9.
+        let scale = Scale::of(vec![[1.0, 99.6], [9.0, 0.4]]);
+        assert_eq!((scale.highest, scale.largest), (1.0, 9.0));
+        let steps = [0.0, 1e-9, 1.0 / 64.0, 0.5, 1.0, 9.0].map(|density| scale.step(density));
         let expected = [None, Some(1), Some(1), Some(32), Some(64), Some(64)];
         assert_eq!(steps, expected);
-        assert_eq!(step(0.0, 0.0), None, "a picture without light");
+        let dark = Scale::of(Vec::new());
+        assert_eq!(dark.step(0.0), None, "a picture without light");
     }
 }

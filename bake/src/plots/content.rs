@@ -1,5 +1,6 @@
 //! What a panel shows: polygons or bins, each with a density.
 
+use crate::geometry::polygon::area;
 use crate::plots::arrangement::Piece;
 use glam::DVec2;
 
@@ -27,12 +28,20 @@ pub(crate) enum Content {
 pub(crate) type Extent = (DVec2, DVec2);
 
 impl Content {
-    /// Returns the largest density, 0 if there is none.
-    pub(crate) fn highest(&self) -> f64 {
-        match self {
-            Content::Polygons(pieces, _) => pieces.iter().map(|p| p.density).fold(0.0, f64::max),
-            Content::Bins(bins) => bins.density.iter().flatten().copied().fold(0.0, f64::max),
-        }
+    /// Returns the densities above 0, each with the share of light that has it.
+    pub(crate) fn light(&self) -> Vec<[f64; 2]> {
+        let mut light: Vec<[f64; 2]> = match self {
+            Content::Polygons(pieces, _) => {
+                let share = |p: &Piece| [p.density, p.density * area(&p.polygon)];
+                pieces.iter().map(share).collect()
+            }
+            Content::Bins(bins) => {
+                let share = |density: &f64| [*density, density * bins.width * bins.width];
+                bins.density.iter().flatten().map(share).collect()
+            }
+        };
+        light.retain(|[density, _]| *density > 0.0);
+        light
     }
 
     /// Returns the smallest rectangle that holds all that is not 0.

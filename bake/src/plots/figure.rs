@@ -1,6 +1,6 @@
 //! Figures with one panel per direction, all with one scale of colours, and their formats.
 
-use crate::plots::colours::{STEPS, colour};
+use crate::plots::colours::{STEPS, Scale, colour};
 use crate::plots::content::{Content, Extent};
 use crate::plots::panel::{Axes, grid, name, nice, pen, tiles};
 use glam::DVec2;
@@ -82,8 +82,11 @@ impl Panel {
         let word = word.map_or(String::new(), |word| format!(", {word}"));
         let incidence = angle(table.axes.incidence_deg[i]);
         Panel {
-            title: [format!("incidence {incidence}\u{b0}, {azimuth}"), eta + &word],
-            is_empty: content.highest() == 0.0,
+            title: [
+                format!("incidence {incidence}\u{b0}, {azimuth}"),
+                eta + &word,
+            ],
+            is_empty: content.light().is_empty(),
             content,
         }
     }
@@ -127,8 +130,12 @@ const BAR: f64 = 300.0;
 pub(crate) fn draw(figure: &Figure, file: &Path) -> Result<Vec<u8>, PlotError> {
     PlotFormat::of(file)?;
     let panels = &figure.panels;
-    let highest = panels.iter().map(|p| p.content.highest());
-    let highest = highest.fold(0.0, f64::max);
+    let scale = Scale::of(
+        panels
+            .iter()
+            .flat_map(|panel| panel.content.light())
+            .collect(),
+    );
     let extent = extent(panels);
     let columns = figure.columns.max(1);
     let rows = panels.len().div_ceil(columns);
@@ -140,11 +147,16 @@ pub(crate) fn draw(figure: &Figure, file: &Path) -> Result<Vec<u8>, PlotError> {
     };
     let size = DVec2::new(width, width * (high.y - low.y) / (high.x - low.x));
     let [left, top, right, bottom] = AROUND;
+    let top = if figure.note.is_some() {
+        top
+    } else {
+        top - 18.0
+    };
     let pitch = size + DVec2::new(BETWEEN[0], BETWEEN[1] + HEAD);
     let end = DVec2::new(left, top) + pitch * DVec2::new(columns as f64, rows as f64)
         - DVec2::from(BETWEEN);
-    // A letter of the title is about 8 pixels wide.
-    let least = (left + BAR + right).max(2.0 * 24.0 + 8.0 * figure.title.len() as f64);
+    // A letter of the title is about 8 pixels wide; the name of the scale has 480 at most.
+    let least = (left + 480.0).max(2.0 * 24.0 + 8.0 * figure.title.len() as f64);
     let mut scene = Scene::new((end.x + right).max(least), end.y + bottom);
     scene.font_family = Some("DejaVu Sans, Liberation Sans, Arial, sans-serif".into());
     scene.add(text([24.0, 24.0], 14, TextAnchor::Start, &figure.title));
@@ -161,25 +173,25 @@ pub(crate) fn draw(figure: &Figure, file: &Path) -> Result<Vec<u8>, PlotError> {
             is_left: k % columns == 0,
             is_lowest: k + columns >= panels.len(),
         };
-        drawn(&mut scene, panel, &axes, highest);
+        drawn(&mut scene, panel, &axes, &scale);
     }
     let middle = 0.5 * (DVec2::new(left, top + HEAD) + end);
     let below = [middle.x, end.y + 34.0];
     scene.add(text(below, 12, TextAnchor::Middle, figure.axes[0]));
     let beside = text([18.0, middle.y], 12, TextAnchor::Middle, figure.axes[1]);
     scene.add(turned(beside));
-    bar(&mut scene, [left, end.y + 52.0], highest, figure.bar);
+    bar(&mut scene, [left, end.y + 52.0], &scale, figure.bar);
     render(&scene, file)
 }
 
 /// Draws one panel with its title.
-fn drawn(scene: &mut Scene, panel: &Panel, axes: &Axes, highest: f64) {
+fn drawn(scene: &mut Scene, panel: &Panel, axes: &Axes, scale: &Scale) {
     let middle = axes.corner.x + 0.5 * axes.size.x;
     for (line, up) in panel.title.iter().zip([21.0, 6.0]) {
         let at = [middle, axes.corner.y - up];
         scene.add(text(at, 12, TextAnchor::Middle, line));
     }
-    tiles(scene, &panel.content, axes, highest);
+    tiles(scene, &panel.content, axes, scale);
     grid(scene, axes);
     if panel.is_empty {
         let at = [middle, axes.corner.y + 0.5 * axes.size.y];
@@ -202,8 +214,9 @@ fn extent(panels: &[Panel]) -> Extent {
     (middle - half, middle + half)
 }
 
-/// Draws the scale of colours from 0 to `highest`, with numbers and a name below.
-fn bar(scene: &mut Scene, [x, y]: [f64; 2], highest: f64, label: &str) {
+/// Draws the scale of colours, with numbers and a name below.
+fn bar(scene: &mut Scene, [x, y]: [f64; 2], scale: &Scale, label: &str) {
+    let highest = scale.highest;
     if highest == 0.0 {
         return;
     }
@@ -231,7 +244,12 @@ fn bar(scene: &mut Scene, [x, y]: [f64; 2], highest: f64, label: &str) {
         let name = name(tick, step);
         scene.add(text([at, y + 28.0], 11, TextAnchor::Middle, &name));
     }
-    scene.add(text([x, y + 44.0], 12, TextAnchor::Start, label));
+    let more = match scale.largest > highest * (1.0 + 1e-9) {
+        true => format!("; darkest: {highest:.3} and more"),
+        false => String::new(),
+    };
+    let label = format!("{label}{more}");
+    scene.add(text([x, y + 44.0], 12, TextAnchor::Start, &label));
 }
 
 /// Returns a line of text.

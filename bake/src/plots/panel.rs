@@ -1,6 +1,6 @@
 //! Inside of a panel: axes, polygons and bins.
 
-use crate::plots::colours::{STEPS, colour, step};
+use crate::plots::colours::{STEPS, Scale, colour};
 use crate::plots::content::{Bins, Content, Extent};
 use glam::DVec2;
 use kuva::render::color::Color;
@@ -111,22 +111,22 @@ fn ticks(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
 }
 
 /// Draws polygons or bins, one path for each step of the scale of colours.
-pub(crate) fn tiles(scene: &mut Scene, content: &Content, axes: &Axes, highest: f64) {
+pub(crate) fn tiles(scene: &mut Scene, content: &Content, axes: &Axes, scale: &Scale) {
     let mut paths = vec![String::new(); STEPS + 1];
     match content {
         Content::Polygons(pieces, _) => {
             for piece in pieces {
-                if let Some(step) = step(piece.density, highest) {
+                if let Some(step) = scale.step(piece.density) {
                     outline(&mut paths[step], &piece.polygon, axes);
                 }
             }
         }
-        Content::Bins(bins) => runs(&mut paths, bins, axes, highest),
+        Content::Bins(bins) => runs(&mut paths, bins, axes, scale),
     }
     for (step, d) in paths.into_iter().enumerate().filter(|(_, d)| !d.is_empty()) {
         // The line in the colour of its area hides the gap to the neighbours.
         let line = (colour(step), 0.4);
-        scene.add(path(d, Some(colour(step)), line, None));
+        scene.add(path(d, Some(colour(step)), line));
     }
     if let Content::Polygons(_, outlines) = content
         && outlines.len() <= MOST_OUTLINES
@@ -135,24 +135,18 @@ pub(crate) fn tiles(scene: &mut Scene, content: &Content, axes: &Axes, highest: 
         for polygon in outlines {
             outline(&mut d, polygon, axes);
         }
-        let line = (Color::from("#000000"), 0.5);
-        scene.add(path(d, None, line, Some(0.35)));
+        scene.add(path(d, None, (Color::from("#3c3c3c"), 0.4)));
     }
 }
 
 /// Returns a path with its colour and the colour and width of its line.
-fn path(
-    d: String,
-    fill: Option<Color>,
-    (stroke, stroke_width): (Color, f64),
-    opacity: Option<f64>,
-) -> Primitive {
+fn path(d: String, fill: Option<Color>, (stroke, stroke_width): (Color, f64)) -> Primitive {
     Primitive::Path(Box::new(PathData {
         d,
         fill,
         stroke,
         stroke_width,
-        opacity,
+        opacity: None,
         stroke_dasharray: None,
     }))
 }
@@ -162,24 +156,29 @@ fn outline(d: &mut String, polygon: &[DVec2], axes: &Axes) {
     for (k, &corner) in polygon.iter().enumerate() {
         let at = axes.at(corner);
         // Writing to a String cannot fail.
-        let _ = write!(d, "{}{:.2} {:.2}", if k == 0 { 'M' } else { 'L' }, at.x, at.y);
+        let _ = write!(
+            d,
+            "{}{:.2} {:.2}",
+            if k == 0 { 'M' } else { 'L' },
+            at.x,
+            at.y
+        );
     }
     d.push('Z');
 }
 
 /// Appends the bins of each row, neighbours of one step as one rectangle.
-fn runs(paths: &mut [String], bins: &Bins, axes: &Axes, highest: f64) {
+fn runs(paths: &mut [String], bins: &Bins, axes: &Axes, scale: &Scale) {
     for (y, row) in bins.density.iter().enumerate() {
         let mut from = 0;
         for x in 0..row.len() {
-            let own = step(row[x], highest);
-            if row.get(x + 1).map(|&next| step(next, highest)) == Some(own) {
+            let own = scale.step(row[x]);
+            if row.get(x + 1).map(|&next| scale.step(next)) == Some(own) {
                 continue;
             }
             if let Some(own) = own {
-                let place = |x: usize, y: usize| {
-                    bins.corner + bins.width * DVec2::new(x as f64, y as f64)
-                };
+                let place =
+                    |x: usize, y: usize| bins.corner + bins.width * DVec2::new(x as f64, y as f64);
                 let (a, c) = (place(from, y), place(x + 1, y + 1));
                 let corners = [a, DVec2::new(c.x, a.y), c, DVec2::new(a.x, c.y)];
                 outline(&mut paths[own], &corners, axes);
@@ -211,7 +210,8 @@ mod tests {
             width: 1.0,
         };
         let mut paths = vec![String::new(); STEPS + 1];
-        runs(&mut paths, &bins, &axes(), 2.0);
+        let scale = Scale::of(vec![[1.0, 1.0], [2.0, 2.0], [2.0, 2.0]]);
+        runs(&mut paths, &bins, &axes(), &scale);
         let filled: Vec<(usize, &str)> = paths
             .iter()
             .enumerate()
