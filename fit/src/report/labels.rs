@@ -18,8 +18,6 @@ pub(crate) struct End {
     pub name: String,
     /// Last point; its height is from 0 to 1.
     pub point: (f64, f64),
-    /// Colour of the curve.
-    pub colour: String,
 }
 
 /// Names right of the ends of all curves of a panel.
@@ -42,9 +40,11 @@ impl Labels {
         if !is_level || last <= first || width > MOST {
             return None;
         }
-        let mut heights: Vec<f64> = ends.iter().map(|end| end.point.1).collect();
-        heights.sort_by(f64::total_cmp);
+        // A name does not cover the axis that its curve ends on.
         let apart = LINE / PANEL[1];
+        let height = |end: &End| end.point.1.clamp(0.6 * apart, 1.0 - 0.6 * apart);
+        let mut heights: Vec<f64> = ends.iter().map(height).collect();
+        heights.sort_by(f64::total_cmp);
         if heights.windows(2).any(|pair| pair[1] - pair[0] < apart) {
             return None;
         }
@@ -52,10 +52,8 @@ impl Labels {
         let names = ends.iter().map(|end| {
             // The library centres a text, and raises it by 6 pixels.
             let x = last + 0.5 * width * span;
-            let y = end.point.1 - 10.0 / PANEL[1];
-            TextAnnotation::new(&end.name, x, y)
-                .with_font_size(11)
-                .with_color(&end.colour)
+            let y = height(end) - 10.0 / PANEL[1];
+            TextAnnotation::new(&end.name, x, y).with_font_size(11)
         });
         Some(Labels {
             names: names.collect(),
@@ -78,7 +76,6 @@ mod tests {
         End {
             name: name.into(),
             point: (x, y),
-            colour: "#000000".into(),
         }
     }
 
@@ -92,6 +89,8 @@ mod tests {
             (vec![end("0°", 4.0, 0.5), end("20°", 3.0, 0.2)], false),
             (vec![end("a name of twenty and", 4.0, 0.5)], false),
             (vec![end("0°", 0.0, 0.5)], false),
+            (vec![end("0°", 4.0, 0.06), end("20°", 4.0, 0.0)], false),
+            (vec![end("0°", 4.0, 0.1), end("20°", 4.0, 0.0)], true),
             (Vec::new(), false),
         ];
         for (ends, expected) in &cases {

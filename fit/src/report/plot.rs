@@ -393,7 +393,6 @@ fn named(lines: Vec<Line>) -> (Vec<Plot>, Option<Labels>) {
         Some(End {
             name: line.shown_name(),
             point: *line.points.last()?,
-            colour: line.colour.clone(),
         })
     };
     let ends: Vec<End> = lines.iter().filter_map(end).collect();

@@ -1,9 +1,8 @@
 //! Mid-air image of a sign, made as `fit render` makes it: what the numbers mean to an eye.
 
-use std::io::Cursor;
-
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageFormat, Rgb, RgbImage};
 
 use crate::images::render::{uniform, uniform_psf};
@@ -101,9 +100,11 @@ fn png(picture: &Picture) -> Option<Vec<u8>> {
         let index = y as usize * picture.width + x as usize;
         Rgb([0, 1, 2].map(|k| stored(picture.planes[k][index]) as u8))
     });
-    let mut bytes = Cursor::new(Vec::new());
-    pixels.write_to(&mut bytes, ImageFormat::Png).ok()?;
-    Some(bytes.into_inner())
+    let mut bytes = Vec::new();
+    let encoder =
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive);
+    pixels.write_with_encoder(encoder).ok()?;
+    Some(bytes)
 }
 
 /// Writes a picture with its caption, which is markup.

@@ -69,10 +69,10 @@ fn overview(captures: &[CaptureResult]) -> String {
         points.take_while(|point| point[0] <= farthest).collect()
     };
     for capture in captures {
-        body.push_str(&panel.dots("measured small", &curve(capture, &capture.curves.measured)));
+        body.push_str(&panel.line("model thin", &curve(capture, &capture.curves.modelled)));
     }
     for capture in captures {
-        body.push_str(&panel.line("model", &curve(capture, &capture.curves.modelled)));
+        body.push_str(&panel.dots("measured small", &curve(capture, &capture.curves.measured)));
     }
     let halves = captures.iter().filter_map(|capture| capture.mtf50_per_mm);
     let (low, high) = halves.fold((f64::INFINITY, 0.0_f64), |(l, h), f| (l.min(f), h.max(f)));
