@@ -336,7 +336,9 @@ fn the_first_screen_shows_numbers_and_an_image_like_the_verb() {
     ];
     let place = ["--distance", &distance, "--incidence", &incidence];
     let look = ["--pixel-pitch", "0.1", "--auto-exposure", "-o", "sign.png"];
-    fit(here, &[&files[..], &place, &look].concat()).done();
+    // The verb repeats the warnings of the result.
+    let run = fit(here, &[&files[..], &place, &look].concat());
+    assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
     let rendered = image::open(here.join("sign.png")).unwrap().to_rgb16();
     assert_eq!(rendered.dimensions(), pictures[1].dimensions());
     // 8 bits are off by half a step at most, and 16 bits by 1/257 of that.

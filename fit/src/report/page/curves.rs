@@ -27,11 +27,11 @@ pub(crate) fn section(page: &Page) -> String {
          photograph. The <span class=\"key measured\">dots</span> are the photograph, with 95 % \
          intervals. The <span class=\"key model\">line</span> is the model, measured in the same \
          way as the photograph. The strip below shows the difference of the two, in standard \
-         errors (\u{3c3}). If only noise is left, the shaded band holds 95 % of the dots. Neighbouring dots \
-         share pixels, so their differences are alike.</p>\n<p>Below each picture stand \
-         incidence, floating distance, the direction across the edge (0\u{b0} is right, 90\u{b0} \
-         is down), MTF50, and the root mean square (rms) difference of the two curves.</p>\n<div \
-         class=\"grid\">\n{figures}</div>\n"
+         errors (\u{3c3}). If only noise is left, the shaded band holds 95 % of the dots. \
+         Neighbouring dots share pixels, so their differences are alike.</p>\n<p>Below each \
+         picture stand incidence, floating distance, the direction across the edge (0\u{b0} is \
+         right, 90\u{b0} is down), MTF50, and the root mean square (rms) difference of the two \
+         curves.</p>\n<div class=\"grid\">\n{figures}</div>\n"
     )
 }
 

@@ -78,7 +78,7 @@ fn overview(captures: &[CaptureResult]) -> String {
     let (low, high) = halves.fold((f64::INFINITY, 0.0_f64), |(l, h), f| (l.min(f), h.max(f)));
     let half = match low <= high {
         true => format!(
-            " Half of the contrast is left at {} to {} lines per mm.",
+            " Half of the contrast is left at {} to {} line pairs per mm.",
             significant(low, 3),
             significant(high, 3)
         ),

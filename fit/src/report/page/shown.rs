@@ -14,6 +14,10 @@ pub(crate) struct Page<'a> {
     /// The estimate.
     pub result: &'a ResultFile,
     /// Table of the fitted cell.
+    #[cfg_attr(
+        not(feature = "images"),
+        expect(dead_code, reason = "images are made with it")
+    )]
     pub table: &'a Table,
     /// The photographs and their files.
     ///
