@@ -2,8 +2,7 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::report::{directions_json, directions_text};
-use crate::plots::exits;
-use crate::plots::histograms;
+use crate::plots::{exits, shifts};
 use clap::Args;
 use serde_json::json;
 use std::fmt::{Display, Write};
@@ -17,7 +16,10 @@ use tables::{Exact, Outputs, Provenance, Symmetry, Table};
 pub(crate) struct InspectArgs {
     /// Table to read
     table: PathBuf,
-    /// Plot of the histograms of the shift, .png or .svg
+    /// Plot of the shifts, .png or .svg
+    ///
+    /// Exact tables show their polygons, tables of rays their bins. All panels have one scale. At
+    /// most 24 directions are drawn, evenly spread; the plot says which part of all they are.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Plot of the exit directions of light, .png or .svg
@@ -33,11 +35,11 @@ pub(crate) struct InspectArgs {
 /// Runs `bake inspect`: draws the plots that were asked for and prints the report.
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     let mut outputs = Outputs::beside([args.table.as_path()]);
-    let shifts = reserve_plot(args.plot.as_deref(), &mut outputs)?;
+    let moved = reserve_plot(args.plot.as_deref(), &mut outputs)?;
     let spots = reserve_plot(args.plot_deviations.as_deref(), &mut outputs)?;
     let table = tables::read(&args.table)?;
-    if let Some((file, output)) = shifts {
-        output.commit(&histograms(&table, file)?)?;
+    if let Some((file, output)) = moved {
+        output.commit(&shifts(&table, file)?)?;
     }
     if let Some((file, output)) = spots {
         output.commit(&exits(&table, file)?)?;

@@ -1,8 +1,9 @@
 //! Pictures of the directions in which light leaves cells that are not ideal.
 
-use crate::plots::figure::{Labels, PlotError, figure};
-use kuva::plot::Heatmap;
-use kuva::render::plots::Plot;
+use crate::plots::choice::Choice;
+use crate::plots::content::{Bins, Content};
+use crate::plots::figure::{Figure, Panel, PlotError, draw};
+use glam::DVec2;
 use std::path::Path;
 use tables::Table;
 
@@ -34,31 +35,35 @@ pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
         return Err(PlotError::Straight);
     }
     let half = 1.1e3 * furthest;
-    let map = |(i, a): (usize, usize)| {
-        let mut share = vec![vec![0.0; CELLS]; CELLS];
-        let cell = |tangent: f64| {
-            let part = (1e3 * tangent / half + 1.0) / 2.0;
-            ((part * CELLS as f64) as usize).min(CELLS - 1)
-        };
-        for ([across, along], power) in &spots[i * azimuths + a] {
-            share[cell(*along)][cell(*across)] += power;
-        }
-        let map = Heatmap::new()
-            .with_data(share)
-            .with_x_range(-half, half)
-            .with_y_range(-half, half)
-            .with_cell_size(1.0)
-            .with_legend("per ray");
-        Plot::Heatmap(map)
+    let cell = |tangent: f64| {
+        let part = (1e3 * tangent / half + 1.0) / 2.0;
+        ((part * CELLS as f64) as usize).min(CELLS - 1)
     };
-    let labels = Labels {
-        title: "deviation from straight back, probability per launched ray",
+    let panel = |&(i, a): &(usize, usize)| {
+        let mut density = vec![vec![0.0; CELLS]; CELLS];
+        for ([across, along], power) in &spots[i * azimuths + a] {
+            density[cell(*along)][cell(*across)] += power;
+        }
+        let bins = Bins {
+            density,
+            corner: DVec2::splat(-half),
+            width: 2.0 * half / CELLS as f64,
+        };
+        Panel::new(table, (i, a), Content::Bins(bins), None)
+    };
+    let choice = Choice::of(table);
+    let figure = Figure {
+        title: format!("{}: deviation from straight back", table.provenance.design),
         axes: [
             "across, in the plane of incidence, mrad",
             "along v = n x u, mrad",
         ],
+        bar: "share of launched light per cell",
+        panels: choice.directions.iter().map(panel).collect(),
+        columns: choice.columns,
+        note: choice.note,
     };
-    figure(table, file, &labels, &map)
+    draw(&figure, file)
 }
 
 /// Deviation (across, along v) as tangents, and the probability per launched ray.

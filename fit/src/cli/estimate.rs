@@ -5,6 +5,7 @@ mod summary;
 use std::collections::{BTreeMap, HashMap};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 use tables::cli as terminal;
 
@@ -283,6 +284,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let evidence = pool.install(|| Evidence::of(&estimated));
         let shown = Page {
             result: &result,
+            table: &table,
             campaign: &estimated.campaign,
             truth: truth.as_ref(),
             evidence: &evidence,
@@ -305,7 +307,7 @@ pub(super) struct Inputs<'a> {
     /// Text of the manifest, and the photographs that it names; `None` if both are files.
     pub(super) held: Option<(String, HashMap<PathBuf, Held>)>,
     /// Table of the sheet.
-    pub(super) table: &'a Table,
+    pub(super) table: &'a Arc<Table>,
     /// Further tables.
     pub(super) others: Vec<OtherTable>,
 }
@@ -317,6 +319,11 @@ pub(super) struct Estimation {
         expect(dead_code, reason = "the page shows it")
     )]
     estimated: Estimated,
+    #[cfg_attr(
+        not(feature = "report"),
+        expect(dead_code, reason = "the page shows it")
+    )]
+    table: Arc<Table>,
     pub(super) result: ResultFile,
 }
 
@@ -327,6 +334,7 @@ impl Estimation {
         let evidence = Evidence::of(&self.estimated);
         let shown = Page {
             result: &self.result,
+            table: &self.table,
             campaign: &self.estimated.campaign,
             truth: None,
             evidence: &evidence,
@@ -379,7 +387,11 @@ pub(super) fn called(
     let pool = terminal::pool(arguments.threads)?;
     let made = pool.install(|| job.watched(&supply, &options, start, &watch));
     let (estimated, result) = made?;
-    Ok(Estimation { estimated, result })
+    Ok(Estimation {
+        estimated,
+        table: Arc::clone(inputs.table),
+        result,
+    })
 }
 
 /// Returns the files that are read. None of them may be an output.

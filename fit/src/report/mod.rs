@@ -5,6 +5,7 @@
 //! room but `cli`.
 
 pub(crate) mod curves;
+mod labels;
 pub(crate) mod page;
 pub(crate) mod picture;
 pub(crate) mod plot;

@@ -2,12 +2,18 @@
 //!
 //! The page is one file that needs nothing else, neither network nor script. It is well-formed XML
 //! too. The same estimate gives the same bytes, because the page holds no times and no durations.
+//!
+//! A first screen shows verdict, numbers, one mid-air image and the curves. All else folds out, on
+//! paper by itself.
 
+#[cfg(feature = "images")]
+mod aerial;
 mod chart;
 mod crop;
 mod curves;
 mod estimates;
 pub(crate) mod evidence;
+mod first;
 mod identify;
 mod markup;
 mod photographs;
@@ -16,7 +22,6 @@ pub(crate) mod shown;
 mod terms;
 mod trust;
 
-use crate::estimate::Verdict;
 use crate::report::page::markup::{count, escape, significant};
 use crate::report::page::shown::Page;
 use crate::result::FitResult;
@@ -31,7 +36,8 @@ impl Page<'_> {
     /// Writes the page as HTML.
     pub(crate) fn html(&self) -> String {
         let title = format!("Estimate of {}", self.campaign.file.display());
-        let sections: [Section; 6] = [
+        let sections: [Section; 7] = [
+            ("about", "What this page shows", self.about()),
             ("estimates", "Estimates", estimates::section(self)),
             (
                 "curves",
@@ -55,9 +61,11 @@ impl Page<'_> {
         let mut contents = String::new();
         for (anchor, heading, markup) in sections {
             contents.push_str(&format!("<a href=\"#{anchor}\">{heading}</a>\n"));
+            // The anchor is inside, so that a browser that follows it unfolds the section.
             body.push_str(&format!(
-                "<section id=\"{anchor}\" aria-labelledby=\"{anchor}-h\">\n<h2 \
-                id=\"{anchor}-h\">{heading}</h2>\n{markup}</section>\n"
+                "<section aria-labelledby=\"{anchor}-h\">\n<details><summary><h2 \
+                id=\"{anchor}-h\">{heading}</h2></summary>\n<div \
+                id=\"{anchor}\">\n{markup}</div></details></section>\n"
             ));
         }
         format!(
@@ -71,13 +79,13 @@ impl Page<'_> {
              </html>\n",
             env!("CARGO_PKG_VERSION"),
             escape(&self.result.table.design),
-            self.verdict(),
+            first::screen(self),
             title = escape(&title),
         )
     }
 
-    /// Writes the summary: the photographs, the model, and whether the model describes them.
-    fn verdict(&self) -> String {
+    /// Writes what is known of the photographs, of the model, and of how well it describes them.
+    fn about(&self) -> String {
         let result = self.result;
         let distinct = |of: fn(&crate::result::CaptureResult) -> f64| {
             let mut values: Vec<f64> = result.captures.iter().map(of).collect();
@@ -85,7 +93,6 @@ impl Page<'_> {
             values.dedup();
             values.len()
         };
-        let warnings = photographs::number(result);
         let mut text = format!(
             "<p>This page shows what <code>fit</code> found out about a retroreflective sheet: a \
              sheet of small corner cubes (each three mirrors at right angles) that sends light \
@@ -108,16 +115,9 @@ impl Page<'_> {
             terms::explained(result.kernel, result.lobe),
         );
         text.push_str(&result.fit.as_ref().map_or(String::new(), quality));
-        if warnings > 0 {
-            text.push_str(&format!(
-                "<p class=\"warned\">Read the <a href=\"#warnings\">{}</a> before you use the \
-                 numbers.</p>\n",
-                count(warnings, "warning", "warnings")
-            ));
-        }
         text.push_str(
-            "<p>Each word is explained where it first stands on this page. All words and formulas \
-             are in the file <code>fit/doc/model.md</code> of the project.</p>\n",
+            "<p>Each word is explained where it first stands below. All words and formulas are in \
+             the file <code>fit/doc/model.md</code> of the project.</p>\n",
         );
         text
     }
@@ -125,13 +125,7 @@ impl Page<'_> {
 
 /// Writes how well the model describes the photographs.
 fn quality(fit: &FitResult) -> String {
-    let says = match fit.verdict {
-        Verdict::Good => "describes the photographs within their noise",
-        Verdict::Strained => {
-            "describes the photographs, but noise does not explain all of the rest"
-        }
-        Verdict::Poor => "does not describe the photographs",
-    };
+    let says = first::said(fit.verdict);
     let raised = if fit.scale > 1.0 {
         format!(
             " All standard errors are multiplied by {} for this.",
@@ -141,7 +135,7 @@ fn quality(fit: &FitResult) -> String {
         String::new()
     };
     format!(
-        "<p>The fit is <strong class=\"{verdict}\">{verdict}</strong>: the model {says}. \
+        "<p>The fit is {verdict}: the model {says}. \
          Chi-square (\u{3c7}\u{b2}) is {} per degree of freedom. Chi-square is the sum of the \
          squared differences between photographs and model, in units of their noise. \
          \u{201c}Per degree of freedom\u{201d} means: divided by the number of data minus the \
@@ -151,4 +145,58 @@ fn quality(fit: &FitResult) -> String {
         significant(fit.p_value, 2),
         verdict = fit.verdict.name(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::STYLE;
+
+    /// Pairs of text and ground that the page shows: names of colours in the style sheet.
+    const PAIRS: [(&str, &[&str]); 6] = [
+        ("ink", &["paper", "tint", "warn"]),
+        ("soft", &["paper", "tint"]),
+        ("measured", &["paper", "tint", "warn"]),
+        ("model", &["paper"]),
+        ("good", &["paper"]),
+        ("poor", &["paper"]),
+    ];
+
+    /// Returns the relative luminance of a colour such as `#14181c`, as WCAG 2 defines it.
+    fn luminance(colour: &str) -> f64 {
+        let channel = |k: usize| {
+            let value = u8::from_str_radix(&colour[k..k + 2], 16).expect("two digits");
+            let value = f64::from(value) / 255.0;
+            match value <= 0.04045 {
+                true => value / 12.92,
+                false => ((value + 0.055) / 1.055).powf(2.4),
+            }
+        };
+        0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
+    }
+
+    /// Checks the contrast of all text in the light scheme, in the dark one, and on paper: at least
+    /// 4.5 (WCAG 2.2, 1.4.3).
+    #[test]
+    fn all_text_has_contrast_in_every_scheme() {
+        let schemes = STYLE.split(":root {").skip(1);
+        let mut pairs = 0;
+        for scheme in schemes {
+            let scheme = scheme.split_once('}').expect("a block ends").0;
+            let colour = |name: &str| {
+                let start = format!("--{name}: ");
+                let (_, rest) = scheme.split_once(&start).expect("every scheme has it");
+                luminance(&rest[..7])
+            };
+            for (text, grounds) in PAIRS {
+                for ground in grounds {
+                    let (a, b) = (colour(text), colour(ground));
+                    let contrast = (a.max(b) + 0.05) / (a.min(b) + 0.05);
+                    assert!(contrast >= 4.5, "{text} on {ground}: {contrast}\n{scheme}");
+                    pairs += 1;
+                }
+            }
+        }
+        assert_eq!(pairs, 3 * 11);
+        println!("{pairs} pairs of colours");
+    }
 }

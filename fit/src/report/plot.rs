@@ -6,6 +6,7 @@ use kuva::prelude::*;
 use tables::cli::PlotFormat;
 
 use crate::predict::{Around, Axis, Prediction};
+use crate::report::labels::{End, Labels};
 use crate::result::ResultFile;
 
 /// Reason why a picture cannot be drawn.
@@ -175,24 +176,24 @@ pub(crate) fn predicted(
                 })
                 .collect();
             let last = chosen.len().max(2) - 1;
-            let plots: Vec<Plot> = chosen
+            let lines: Vec<Line> = chosen
                 .iter()
                 .enumerate()
                 .map(|(i, p)| {
                     let points = frequency_per_mm.iter().copied().zip(p.mtf.iter().copied());
                     let within = |f: f64| f <= end;
                     let ends = frequency_per_mm.iter().zip(&p.mtf_interval);
-                    let line = Line {
+                    Line {
+                        name: format!("{}°", p.incidence_deg),
+                        colour: ramp(i as f64 / last as f64),
                         points: points.filter(|point| within(point.0)).collect(),
                         intervals: ends.filter(|(f, _)| within(**f)).map(|(_, e)| *e).collect(),
                         outside: !p.outside.is_empty(),
-                    };
-                    line.drawn(
-                        ramp(i as f64 / last as f64),
-                        format!("{}°", p.incidence_deg),
-                    )
+                    }
                 })
                 .collect();
+            let legend = legend_of(lines.len());
+            let (plots, labels) = named(lines);
             let all_outside = chosen.iter().all(|p| !p.outside.is_empty());
             let shaded = all_outside.then_some([0.0, end]);
             let name = if axis == Axis::Tangential {
@@ -208,9 +209,9 @@ pub(crate) fn predicted(
                 .with_x_axis_max(end)
                 .with_y_axis_min(0.0)
                 .with_y_axis_max(1.0)
-                .with_legend_position(legend_of(plots.len()));
+                .with_legend_position(legend);
             panels.push(plots);
-            layouts.push(with_shades(layout, shaded));
+            layouts.push(with_shades(with_labels(layout, labels), shaded));
         }
     }
     draw(
@@ -298,7 +299,7 @@ pub(crate) fn against(
             .iter()
             .flat_map(|name| (0..frequency_per_mm.len()).map(move |k| (name, k)));
         let last = (places.len() * frequency_per_mm.len()).max(2) - 1;
-        let plots: Vec<Plot> = curves
+        let lines: Vec<Line> = curves
             .enumerate()
             .map(|(i, (name, k))| {
                 let chosen = predictions
@@ -309,17 +310,18 @@ pub(crate) fn against(
                     .filter(|(_, p)| k < p.mtf.len())
                     .collect();
                 chosen.sort_by(|a, b| a.0.total_cmp(&b.0));
-                let line = Line {
+                Line {
+                    name: format!("{} /mm{name}", frequency_per_mm[k]),
+                    colour: ramp(i as f64 / last as f64),
                     points: chosen.iter().map(|(x, p)| (*x, p.mtf[k])).collect(),
                     intervals: (chosen.iter())
                         .filter_map(|(_, p)| p.mtf_interval.get(k).copied())
                         .collect(),
                     outside: chosen.iter().all(|(_, p)| !p.outside.is_empty()),
-                };
-                let legend = format!("{} /mm{name}", frequency_per_mm[k]);
-                line.drawn(ramp(i as f64 / last as f64), legend)
+                }
             })
             .collect();
+        let (plots, labels) = named(lines);
         let label = match variable {
             Variable::Incidence => "incidence (°)",
             Variable::Azimuth => "azimuth (°)",
@@ -334,6 +336,7 @@ pub(crate) fn against(
             .with_y_axis_max(1.0)
             .with_legend_position(LegendPosition::OutsideRightTop);
         panels.push(plots);
+        let layout = with_labels(layout, labels);
         layouts.push(with_shades(layout, outside(predictions, variable)));
     }
     draw(panels, layouts, "MTF of the mid-air image", path)
@@ -341,6 +344,8 @@ pub(crate) fn against(
 
 /// Line of predictions.
 struct Line {
+    name: String,
+    colour: String,
     points: Vec<(f64, f64)>,
     /// Ends of the interval of each point; fewer than points without covariance.
     intervals: Vec<[f64; 2]>,
@@ -349,21 +354,59 @@ struct Line {
 }
 
 impl Line {
+    /// Returns the name that the reader sees.
+    fn shown_name(&self) -> String {
+        match self.outside {
+            true => format!("{}, outside", self.name),
+            false => self.name.clone(),
+        }
+    }
+
     /// Draws the line with the band of its intervals, dashed if it lies outside of the photographs.
-    fn drawn(self, colour: String, legend: String) -> Plot {
+    fn drawn(self, in_legend: bool) -> Plot {
         let has_band = self.intervals.len() == self.points.len();
+        let name = self.shown_name();
         let mut line = LinePlot::new()
             .with_data(self.points)
-            .with_color(colour)
+            .with_color(self.colour)
             .with_stroke_width(1.5);
         if has_band {
             let end = |k: usize| self.intervals.iter().map(move |ends| ends[k]);
             line = line.with_band(end(0), end(1));
         }
-        if !self.outside {
-            return Plot::Line(line.with_legend(legend));
+        if self.outside {
+            line = line.with_dashed();
         }
-        Plot::Line(line.with_dashed().with_legend(format!("{legend}, outside")))
+        Plot::Line(if in_legend {
+            line.with_legend(name)
+        } else {
+            line
+        })
+    }
+}
+
+/// Draws lines with their names at their ends, or in a legend where these would collide.
+fn named(lines: Vec<Line>) -> (Vec<Plot>, Option<Labels>) {
+    let first = lines.iter().filter_map(|line| line.points.first());
+    let first = first.map(|point| point.0).fold(f64::INFINITY, f64::min);
+    let end = |line: &Line| {
+        Some(End {
+            name: line.shown_name(),
+            point: *line.points.last()?,
+        })
+    };
+    let ends: Vec<End> = lines.iter().filter_map(end).collect();
+    let labels = Labels::of(&ends, first);
+    let in_legend = labels.is_none();
+    let plots = lines.into_iter().map(|line| line.drawn(in_legend));
+    (plots.collect(), labels)
+}
+
+/// Adds the names of curves to a panel.
+fn with_labels(layout: Layout, labels: Option<Labels>) -> Layout {
+    match labels {
+        Some(labels) => labels.on(layout),
+        None => layout,
     }
 }
 

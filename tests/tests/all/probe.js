@@ -1,5 +1,9 @@
 // Measures the page after its layout and posts the figures to the parent frame as JSON.
 addEventListener("load", async () => {
+  const folds = [...document.querySelectorAll("details")];
+  const folded = folds.filter((fold) => !fold.open).length;
+  // All that folds out is measured too.
+  for (const fold of folds) fold.open = true;
   const all = [...document.body.querySelectorAll("*")].filter((e) => e.tagName !== "SCRIPT");
   const box = (e) => e.getBoundingClientRect();
   const free = all.filter((e) => !e.parentElement.closest(".scroll, svg"));
@@ -31,8 +35,6 @@ addEventListener("load", async () => {
     const [a, b] = [luminance(e.closest("svg") ? style.fill : style.color), luminance(ground(e))];
     return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
   };
-  // The contrast of colour keys (.key) does not count: the table names the ellipses in words too.
-  const read = texts.filter((e) => !e.matches(".key"));
   let broken = 0;
   for (const image of document.querySelectorAll("svg image")) {
     const copy = new Image();
@@ -41,11 +43,12 @@ addEventListener("load", async () => {
   }
   const figures = {
     window: innerWidth,
+    folded,
     page: document.documentElement.scrollWidth,
     wide: wide.map((e) => `${e.tagName}.${e.className}`),
     smallest_chart: Math.min(...charts.map((e) => Math.min(box(e).width, box(e).height))),
     smallest_text: Math.min(...texts.map(size)),
-    least_contrast: Math.min(...read.map(contrast)),
+    least_contrast: Math.min(...texts.map(contrast)),
     dark: luminance(ground(document.body)) < 0.2,
     captures: document.querySelectorAll("figure.capture > svg").length,
     broken_images: broken,

@@ -284,7 +284,70 @@ fn the_page_can_be_read_by_all() {
     }
     let (before, _) = (ids.len(), ids.sort_unstable());
     ids.dedup();
-    assert_eq!((ids.len(), before), (12, 12), "ids are unique");
+    assert_eq!((ids.len(), before), (14, 14), "ids are unique");
+}
+
+#[test]
+fn the_first_screen_shows_numbers_and_an_image_like_the_verb() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let (page, result) = report(here, &[]);
+    let tree = parse(&page);
+    let numbers: Vec<String> = all(&tree, "dl")
+        .filter(|list| list.attribute("class") == Some("brief cards"))
+        .flat_map(|list| list.children().filter(Node::is_element).map(text))
+        .collect();
+    assert_eq!(numbers.len(), 3, "{numbers:?}");
+    for (card, name) in numbers
+        .iter()
+        .zip(["c corner", "a diffraction", "\u{b5} reflect"])
+    {
+        assert!(
+            card.starts_with(name) && card.contains("standard error"),
+            "{card}"
+        );
+    }
+    let pictures: Vec<image::RgbImage> = all(&tree, "svg")
+        .filter(|svg| svg.attribute("class") == Some("picture"))
+        .map(|svg| {
+            let image = svg.descendants().find(|n| n.has_tag_name("image")).unwrap();
+            let data = image.attribute("href").unwrap();
+            let data = data.strip_prefix("data:image/png;base64,").unwrap();
+            let png = base64::engine::general_purpose::STANDARD.decode(data);
+            image::load_from_memory(&png.unwrap()).unwrap().to_rgb8()
+        })
+        .collect();
+    let sign = argument("doc/sign.png");
+    assert_eq!(pictures.len(), 2);
+    assert!(pictures[0] == image::open(&sign).unwrap().to_rgb8());
+    // The image is that of the farthest photograph of the least incidence.
+    let captures = result["captures"].as_array().unwrap();
+    let of = |key: &'static str| captures.iter().map(move |c| c[key].as_f64().unwrap());
+    let least = of("incidence_deg").fold(f64::INFINITY, f64::min);
+    let there = of("floating_distance_mm").zip(of("incidence_deg"));
+    let farthest = there
+        .filter(|(_, angle)| *angle == least)
+        .map(|pair| pair.0);
+    let distance = farthest.fold(0.0, f64::max).to_string();
+    let incidence = least.to_string();
+    let table = bake_table(here, "triangular-pair", "0:40:20", "30");
+    let files = [
+        "render", "--source", &sign, "--params", "r.json", "--table", &table,
+    ];
+    let place = ["--distance", &distance, "--incidence", &incidence];
+    let look = ["--pixel-pitch", "0.1", "--auto-exposure", "-o", "sign.png"];
+    // The verb repeats the warnings of the result.
+    let run = fit(here, &[&files[..], &place, &look].concat());
+    assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
+    let rendered = image::open(here.join("sign.png")).unwrap().to_rgb16();
+    assert_eq!(rendered.dimensions(), pictures[1].dimensions());
+    // 8 bits are off by half a step at most, and 16 bits by 1/257 of that.
+    let steps = rendered.as_raw().iter().zip(pictures[1].as_raw());
+    let off = steps.map(|(&fine, &coarse)| (f64::from(fine) / 257.0 - f64::from(coarse)).abs());
+    let (count, worst) = off.fold((0, 0.0_f64), |(n, worst), off| (n + 1, worst.max(off)));
+    assert_eq!(count, 384 * 288 * 3);
+    assert!(worst <= 0.5 * (1.0 + 1.0 / 257.0) + 1e-9, "{worst}");
+    assert_ne!(pictures[0], pictures[1], "the image is blurred");
 }
 
 #[test]
@@ -446,14 +509,22 @@ fn a_browser_shows_the_page_at_every_width_and_on_paper() {
         assert!(number("least_contrast") >= 4.5, "{found}");
         assert_eq!(found["dark"], dark, "{found}");
         assert_eq!(number("captures"), 6.0);
+        assert_eq!(number("folded"), 7.0);
         assert_eq!(number("broken_images"), 0.0);
         seen += 1;
     }
     assert_eq!(seen, 4);
-    let paper = browser.print(&here.join("r.html"), &here.join("r.pdf"));
-    assert!(paper.starts_with(b"%PDF-"));
-    let pages = String::from_utf8_lossy(&paper)
-        .matches("/Type /Page\n")
-        .count();
+    let printed = |name: &str| {
+        let paper = browser.print(&here.join(name), &here.join("r.pdf"));
+        assert!(paper.starts_with(b"%PDF-"));
+        let text = String::from_utf8_lossy(&paper).into_owned();
+        text.matches("/Type /Page\n").count()
+    };
+    // Paper shows what is folded on the screen.
+    let open = page.replace("<details>", "<details open=\"\">");
+    assert_eq!(open.matches("<details open").count(), 7);
+    fs::write(here.join("open.html"), open).unwrap();
+    let pages = printed("r.html");
+    assert_eq!(pages, printed("open.html"));
     assert!((2..12).contains(&pages), "{pages} pages");
 }

@@ -17,12 +17,7 @@ const RESIDUALS: f64 = 4.0;
 /// Writes one figure per photograph, all with the same axes.
 pub(crate) fn section(page: &Page) -> String {
     let captures = &page.result.captures;
-    let farthest = captures
-        .iter()
-        .flat_map(|c| c.curves.frequency_per_mm.iter().zip(&c.curves.measured))
-        .filter(|(_, m)| **m > VISIBLE)
-        .map(|(&f, _)| f)
-        .fold(0.0, f64::max);
+    let farthest = farthest(captures);
     let figures: String = captures.iter().map(|c| figure(c, farthest)).collect();
     format!(
         "<p>The modulation transfer function (MTF) says how much contrast the image keeps of a \
@@ -32,12 +27,22 @@ pub(crate) fn section(page: &Page) -> String {
          photograph. The <span class=\"key measured\">dots</span> are the photograph, with 95 % \
          intervals. The <span class=\"key model\">line</span> is the model, measured in the same \
          way as the photograph. The strip below shows the difference of the two, in standard \
-         errors. If only noise is left, the shaded band holds 95 % of the dots. Neighbouring dots \
-         share pixels, so their differences are alike.</p>\n<p>Below each picture stand \
-         incidence, floating distance, the direction across the edge (0\u{b0} is right, 90\u{b0} \
-         is down), MTF50, and the root mean square (rms) difference of the two curves.</p>\n<div \
-         class=\"grid\">\n{figures}</div>\n"
+         errors (\u{3c3}). If only noise is left, the shaded band holds 95 % of the dots. \
+         Neighbouring dots share pixels, so their differences are alike.</p>\n<p>Below each \
+         picture stand incidence, floating distance, the direction across the edge (0\u{b0} is \
+         right, 90\u{b0} is down), MTF50, and the root mean square (rms) difference of the two \
+         curves.</p>\n<div class=\"grid\">\n{figures}</div>\n"
     )
+}
+
+/// Returns the highest frequency at which a measured MTF is seen.
+pub(crate) fn farthest(captures: &[CaptureResult]) -> f64 {
+    captures
+        .iter()
+        .flat_map(|c| c.curves.frequency_per_mm.iter().zip(&c.curves.measured))
+        .filter(|(_, m)| **m > VISIBLE)
+        .map(|(&f, _)| f)
+        .fold(0.0, f64::max)
 }
 
 /// Draws the MTF curves and residuals of one photograph.
@@ -80,7 +85,7 @@ fn figure(capture: &CaptureResult, farthest: f64) -> String {
     let strip = Panel {
         x,
         y: Axis::linear(-1.05 * largest, 1.05 * largest),
-        frame: [36.0, 156.0, 276.0, 46.0],
+        frame: [36.0, 156.0, 276.0, 66.0],
     };
     let band = crate::report::page::estimates::INTERVAL;
     let body = [
@@ -90,8 +95,8 @@ fn figure(capture: &CaptureResult, farthest: f64) -> String {
         main.line("model", &at(&curves.modelled)),
         main.dots("measured", &at(&curves.measured)),
         strip.band("noise", -band, band),
-        strip.grid(2, true),
-        strip.names("frequency (1/mm)", "difference"),
+        strip.grid(5, true),
+        strip.names("frequency (1/mm)", "residual (\u{3c3})"),
         strip.dots("measured", &residuals),
     ]
     .concat();
@@ -108,7 +113,7 @@ fn figure(capture: &CaptureResult, farthest: f64) -> String {
         "<figure class=\"capture\">{}<figcaption><b>{}\u{b0}, {} mm</b>, edge \
         {:.1}\u{b0}<br/>MTF50 {half}, rms difference {}\
          <br/><code>{}</code></figcaption></figure>\n",
-        svg([320.0, 236.0], &label, &body),
+        svg([320.0, 256.0], &label, &body),
         capture.incidence_deg,
         capture.floating_distance_mm,
         capture.edge_angle_deg,

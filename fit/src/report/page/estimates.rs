@@ -123,8 +123,8 @@ fn shown<'a>(page: &'a Page, kind: ParameterKind, parameter: &Parameter) -> Show
     }
 }
 
-/// Writes cards, charts by angle, and a table of all numbers.
-pub(crate) fn section(page: &Page) -> String {
+/// Collects all parameters of a page.
+fn collected<'a>(page: &'a Page) -> Vec<Shown<'a>> {
     let result = page.result;
     // A term that the model lacks may have a bound all the same.
     let absent = |kind: ParameterKind| {
@@ -144,7 +144,7 @@ pub(crate) fn section(page: &Page) -> String {
     let front = result.surface_roughness.map(Parameter::Shared);
     let front = front.or_else(|| absent(ParameterKind::SurfaceRoughness));
     let azimuth = result.azimuth_deg.map(Parameter::Shared);
-    let all: Vec<Shown> = [
+    [
         (ParameterKind::CornerSize, c.as_ref()),
         (ParameterKind::APerMm, a.as_ref()),
         (ParameterKind::ATimesR, result.a_times_r.as_ref()),
@@ -155,7 +155,23 @@ pub(crate) fn section(page: &Page) -> String {
     ]
     .into_iter()
     .filter_map(|(kind, parameter)| Some(shown(page, kind, parameter?)))
-    .collect();
+    .collect()
+}
+
+/// Writes the numbers of the first screen: each with its standard error, without words.
+pub(crate) fn brief(page: &Page) -> String {
+    let all = collected(page);
+    let cards = all
+        .iter()
+        .filter(|shown| shown.kind != ParameterKind::Azimuth);
+    let cards: String = cards.map(Shown::brief).collect();
+    format!("<dl class=\"brief cards\">\n{cards}</dl>\n")
+}
+
+/// Writes cards, charts by angle, and a table of all numbers.
+pub(crate) fn section(page: &Page) -> String {
+    let result = page.result;
+    let all = collected(page);
     let mut out = String::from(
         "<p>The large number is the estimate. The 95 % interval says how sure it is: if the \
          photographs were repeated many times, 95 of 100 such intervals would hold the true \
@@ -202,6 +218,18 @@ pub(crate) fn section(page: &Page) -> String {
     out
 }
 
+/// Writes the smallest and the largest value.
+fn range(values: impl Iterator<Item = f64>, digits: usize) -> String {
+    let empty = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = values.fold(empty, |(low, high), v| (low.min(v), high.max(v)));
+    let (least, most) = (significant(low, digits), significant(high, digits));
+    match low <= high {
+        false => "no value".into(),
+        true if least == most => least,
+        true => format!("{least} \u{2013} {most}"),
+    }
+}
+
 impl Entry {
     /// Returns the 95 % interval, or `None` without a value or an error.
     fn interval(&self) -> Option<[f64; 2]> {
@@ -244,13 +272,7 @@ impl Shown<'_> {
             [one] => self.card_of_one(one),
             several => {
                 let values: Vec<f64> = several.iter().filter_map(|e| e.number.value).collect();
-                let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-                let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                let range = match values.len() {
-                    0 => "no value".into(),
-                    1 => significant(low, 4),
-                    _ => format!("{} \u{2013} {}", significant(low, 4), significant(high, 4)),
-                };
+                let range = range(values.iter().copied(), 4);
                 let mut note = format!(
                     "from the smallest to the largest value at {} incidence angles",
                     several.len()
@@ -270,6 +292,29 @@ impl Shown<'_> {
             self.symbol,
             self.meaning,
             explained(self.kind)
+        )
+    }
+
+    /// Writes the number of the first screen.
+    fn brief(&self) -> String {
+        let value = match &self.entries[..] {
+            [one] => self.card_of_one(one).0,
+            several => range(several.iter().filter_map(|entry| entry.number.value), 4),
+        };
+        let errors = self.entries.iter().filter_map(|e| e.number.standard_error);
+        let note = match errors.clone().count() {
+            0 => "no standard error".into(),
+            1 => format!("standard error {}", range(errors, 2)),
+            many => format!("standard errors {} at {many} angles", range(errors, 2)),
+        };
+        let unit = match self.unit {
+            "" => String::new(),
+            unit => format!(" <small>{unit}</small>"),
+        };
+        format!(
+            "<div><dt><b>{}</b> {}</dt>\n<dd class=\"value\">{value}{unit}</dd>\n\
+             <dd>{note}</dd></div>\n",
+            self.symbol, self.meaning
         )
     }
 

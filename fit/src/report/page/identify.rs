@@ -300,7 +300,7 @@ fn ellipses(pairs: &[Pair]) -> String {
         .enumerate()
         .filter_map(|(i, p)| {
             Some(format!(
-                "<span class=\"key\" style=\"color:{}\">{}\u{b0}</span> ",
+                "<span class=\"key\"><i style=\"background:{}\"></i>{}\u{b0}</span> ",
                 colour(i),
                 p.incidence_deg?
             ))

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use tables::Table;
+
 use crate::photographs::Campaign;
 use crate::report::page::evidence::Evidence;
 use crate::result::ResultFile;
@@ -11,6 +13,12 @@ use crate::simulate::Truth;
 pub(crate) struct Page<'a> {
     /// The estimate.
     pub result: &'a ResultFile,
+    /// Table of the fitted cell.
+    #[cfg_attr(
+        not(feature = "images"),
+        expect(dead_code, reason = "images are made with it")
+    )]
+    pub table: &'a Table,
     /// The photographs and their files.
     ///
     /// Those with a warning are read again for their crops.
