@@ -62,7 +62,7 @@ pub(crate) struct Aspect {
 impl Aspect {
     /// Returns the distance at which `ray` meets the facet, edge lengths, or `None`. The ray must
     /// have the direction of this aspect.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn meet(&self, ray: &Ray) -> Option<f64> {
         let height = (ray.origin - self.corners[0]).dot(self.normal);
         if self.side * height < -(self.side * ray.slack) {
@@ -137,7 +137,7 @@ impl Triangle {
     ///
     /// A ray that starts on the facet and leaves to its front does not meet it. A ray that starts
     /// on it, within the ray's error bound, and heads into it meets it at the distance 0.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn meet(&self, ray: &Ray) -> Option<Contact> {
         let aspect = self.along(ray.direction)?;
         Some(Contact {

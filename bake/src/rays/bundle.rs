@@ -9,7 +9,7 @@
     reason = "the same lane of several arrays; iterators hide that"
 )]
 
-use crate::optics::Aspect;
+use crate::optics::{Aspect, Ray};
 use crate::rays::lane::{LANES, Mask, Reals};
 use glam::{DMat3, DVec3};
 
@@ -130,6 +130,19 @@ impl Bundle {
             bounds.high[axis] = high.into_iter().fold(f64::NEG_INFINITY, greater) - middle;
         }
         bounds
+    }
+
+    /// Returns a ray along `direction` from the middle of all origins, with bounds on the errors of
+    /// all rays, and how far by axis other origins are from it at most, edge lengths.
+    #[inline(always)]
+    pub(crate) fn middle(&self, direction: DVec3) -> (Ray, DVec3) {
+        let middle = Ray {
+            origin: self.centre,
+            direction,
+            slack: self.most_slack,
+            grain: self.grain,
+        };
+        (middle, self.half)
     }
 
     /// Returns the distance beyond which no ray of the bundle looks for facets.

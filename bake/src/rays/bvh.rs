@@ -5,11 +5,12 @@
 //! over all facets finds, bit for bit (tested).
 
 use crate::optics::{Ray, Triangle};
-use crate::rays::block::{Block, Sight};
+use crate::rays::block::{Block, Sight, View};
 use crate::rays::bundle::{Bounds, Boxes, Bundle, inverse};
+use crate::rays::cluster::Cluster;
 use crate::rays::frames::{MOST_FRAMES, frames};
 use crate::rays::nearest::Nearest;
-use crate::rays::simd::{InstructionSet, Task};
+use crate::rays::simd::{InstructionSet, Task, fetch};
 use crate::rays::tree::{BLOCK, Node, Space, Wide, build};
 use glam::{DMat3, DVec3, Vec4};
 
@@ -170,6 +171,8 @@ impl Hierarchy {
         for (bounds, frame) in bounds.iter_mut().zip(&self.frames) {
             *bounds = bundle.bounds(direction, self.centre, frame);
         }
+        let (middle, half) = bundle.middle(direction);
+        let view = View::new(&middle, self.centre, half, self.radius);
         // No point of the ball around the facets is further than this from an origin.
         let span = bounds[0].farthest() + 2.0 * self.radius;
         let mut limit = span;
@@ -181,8 +184,10 @@ impl Hierarchy {
             }
             if at & BLOCK != 0 {
                 let block = &self.blocks[(at & !BLOCK) as usize];
-                let mut met = false;
-                for facet in block.numbers() {
+                let (mut met, mut seen) = (false, block.seen_by_any(&view));
+                while seen != 0 {
+                    let facet = block.facets[seen.trailing_zeros() as usize] as usize;
+                    seen &= seen - 1;
                     if Some(facet) != left
                         && let Some(aspect) = facets[facet].along(direction)
                     {
@@ -210,6 +215,85 @@ impl Hierarchy {
             }
         }
         bundle.waiting = open;
+    }
+
+    /// Finds for all rays of `cluster` the nearest facet, as [`Hierarchy::nearest`] does without a
+    /// limit.
+    pub(crate) fn nearest_of_cluster(&self, facets: &[Triangle], cluster: &mut Cluster) {
+        self.instructions.run(Common {
+            hierarchy: self,
+            facets,
+            cluster,
+        });
+    }
+
+    /// Finds the nearest facets as [`Hierarchy::nearest_of_cluster`] does.
+    #[inline(always)]
+    fn descend_together(&self, facets: &[Triangle], cluster: &mut Cluster) {
+        let mut open = std::mem::take(&mut cluster.waiting);
+        let ball = (self.centre, self.radius);
+        cluster.look(ball, self.padding, &self.frames);
+        let mut limit = cluster.limit();
+        open.clear();
+        let mut reached = cluster.all();
+        let mut at = 0;
+        loop {
+            if at & BLOCK != 0 {
+                let block = &self.blocks[(at & !BLOCK) as usize];
+                cluster.offer(block, facets, reached, self.padding);
+                limit = cluster.limit();
+            } else {
+                let node = &self.nodes[at as usize];
+                let (from, mut met) = cluster.reach(node, limit);
+                let bottom = open.len();
+                while met != 0 {
+                    let child = met.trailing_zeros() as usize;
+                    met &= met - 1;
+                    let from = from[child];
+                    match node.children[child] {
+                        block if block & BLOCK != 0 => {
+                            fetch(&self.blocks[(block & !BLOCK) as usize]);
+                        }
+                        node => fetch(&self.nodes[node as usize]),
+                    }
+                    // The nearest is put last, because the last one is looked at first.
+                    open.push((from, at << 3 | child as u32));
+                    let mut place = open.len() - 1;
+                    while place > bottom && open[place - 1].0 < from {
+                        open.swap(place, place - 1);
+                        place -= 1;
+                    }
+                }
+            }
+            reached = 0;
+            while reached == 0 {
+                let Some((from, place)) = open.pop() else {
+                    cluster.waiting = open;
+                    return;
+                };
+                if from <= limit {
+                    let (node, child) = (&self.nodes[(place >> 3) as usize], place as usize & 7);
+                    reached = cluster.entering(node, child);
+                    at = node.children[child];
+                }
+            }
+        }
+    }
+}
+
+/// Search of a cluster: the arguments of [`Hierarchy::descend_together`].
+struct Common<'a> {
+    hierarchy: &'a Hierarchy,
+    facets: &'a [Triangle],
+    cluster: &'a mut Cluster,
+}
+
+impl Task for Common<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.hierarchy.descend_together(self.facets, self.cluster);
     }
 }
 

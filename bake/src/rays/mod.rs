@@ -1,18 +1,19 @@
 //! Sampled light: the rays of one direction, from the entrance to their counts.
 //!
 //! A prepared cell, the rules and one direction enter. Integer counts by bin and by fate leave. The
-//! rays are traced in five ways: one by one, in bundles down a hierarchy, in packets, as a program
-//! of 64 rays side by side, and side by side with directions of their own. All ways give the same
-//! result, bit for bit. This room may touch
-//! `cell`, `optics` and `samples`. It knows no thread and no table. Its file `simd` holds the only
-//! unsafe code.
+//! rays are traced in five ways: one by one, down a hierarchy in packets of parallel rays or in
+//! swarms of neighbours, as a program of 64 rays side by side, and side by side with directions of
+//! their own. All ways give the same result, bit for bit. This room may touch `cell`, `optics` and
+//! `samples`. It knows no thread and no table. Its file `simd` holds the only unsafe code.
 
 mod bins;
 mod block;
 mod bundle;
 mod bvh;
+mod cluster;
 mod departures;
 mod drawn;
+mod entries;
 mod excerpt;
 mod exits;
 mod frames;
@@ -30,10 +31,12 @@ mod rough;
 mod scene;
 mod sheet;
 mod simd;
+mod swarm;
 mod tally;
 mod tree;
 
 pub(crate) use bins::Bins;
+pub(crate) use entries::Part;
 pub(crate) use kernel::Kernel;
 pub use kernel::Tracer;
 #[cfg(test)]

@@ -27,7 +27,7 @@ impl Nearest {
     ///
     /// Of two facets at one distance the lower index wins, so the result does not depend on the
     /// order of the offers.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn offer(&mut self, index: usize, facet: &Triangle, ray: &Ray) {
         if let Some(contact) = facet.meet(ray) {
             let tie =

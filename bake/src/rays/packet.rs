@@ -9,16 +9,17 @@
 use crate::optics::Triangle;
 use crate::rays::bundle::{Bundle, NONE};
 use crate::rays::bvh::Hierarchy;
+use crate::rays::entries::Entry;
 use crate::rays::lane::LANES;
 use crate::rays::order::order;
 use crate::rays::simd::Task;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 /// Rays of one course: their positions, and the facets that they meet next.
 #[derive(Debug, Default)]
 pub(crate) struct Packet {
-    /// Points where the rays entered, edge lengths.
-    pub point: Vec<DVec2>,
+    /// Points where the rays entered, edge lengths, and the numbers of their parts of the samples.
+    pub entry: Vec<Entry>,
     /// Positions of the rays, by axis, edge lengths: first their starts, then the points on the
     /// facets that they have met.
     pub position: [Vec<f64>; 3],
@@ -52,21 +53,31 @@ pub(crate) const OUT: u64 = NONE >> 32;
 impl Packet {
     /// Removes all rays.
     pub(crate) fn clear(&mut self) {
-        self.point.clear();
+        self.entry.clear();
         self.position.iter_mut().for_each(Vec::clear);
         self.slack.clear();
         self.distance.clear();
         self.met.clear();
     }
 
-    /// Adds a ray that entered at `point` and is at `position`.
-    pub(crate) fn push(&mut self, point: DVec2, position: DVec3, slack: f64) {
-        let [x, y, z] = &mut self.position;
-        self.point.push(point);
-        x.push(position.x);
-        y.push(position.y);
-        z.push(position.z);
-        self.slack.push(slack);
+    /// Takes the `members` of another packet in place of the rays so far.
+    ///
+    /// `slack` returns the bound on the error of the position of a ray after its distance.
+    pub(crate) fn take(
+        &mut self,
+        other: &Packet,
+        members: impl ExactSizeIterator<Item = usize> + Clone,
+        slack: impl Fn(f64) -> f64,
+    ) {
+        self.clear();
+        // One list after the other, because each is then filled without looking at its room.
+        self.entry
+            .extend(members.clone().map(|which| other.entry[which]));
+        for (own, others) in self.position.iter_mut().zip(&other.position) {
+            own.extend(members.clone().map(|which| others[which]));
+        }
+        self.slack
+            .extend(members.map(|which| slack(other.distance[which])));
     }
 
     /// Returns the position of ray number `which`, edge lengths.

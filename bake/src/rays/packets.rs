@@ -5,6 +5,7 @@ use crate::optics::{Incidence, Rules};
 use crate::rays::bins::Bins;
 use crate::rays::bundle::Bundle;
 use crate::rays::bvh::Hierarchy;
+use crate::rays::entries::Entry;
 use crate::rays::packet::{Advance, OUT, Packet, Way};
 use crate::rays::path::Course;
 use crate::rays::scene::Scene;
@@ -37,18 +38,20 @@ pub(crate) struct Packets<'a> {
 }
 
 impl Packets<'_> {
-    /// Traces the rays that enter at `points`, of which neighbours come after each other.
-    pub(crate) fn trace(&mut self, points: &[DVec2], tally: &mut Tally) {
+    /// Traces the rays of `entries`, of which neighbours come after each other.
+    ///
+    /// Each ray is counted in the tally of its part.
+    pub(crate) fn trace(&mut self, entries: &[Entry], tallies: &mut [Tally]) {
         let (scene, travel) = (self.scene, self.direction.travel);
         let ray = scene.enter(DVec2::ZERO, travel);
         let first = self.stage(0);
         first.clear();
-        first.position[0].extend(points.iter().map(|point| point.x));
-        first.position[1].extend(points.iter().map(|point| point.y));
-        first.position[2].resize(points.len(), ray.origin.z);
-        first.slack.resize(points.len(), ray.slack);
-        first.point.extend(points);
-        self.follow(0, None, &Course::new(self.direction), tally);
+        first.position[0].extend(entries.iter().map(|entry| entry.point.x));
+        first.position[1].extend(entries.iter().map(|entry| entry.point.y));
+        first.position[2].resize(entries.len(), ray.origin.z);
+        first.slack.resize(entries.len(), ray.slack);
+        first.entry.extend(entries);
+        self.follow(0, None, &Course::new(self.direction), tallies);
     }
 
     /// Returns the packet after `number` reflections, and makes room for it first.
@@ -61,7 +64,13 @@ impl Packets<'_> {
 
     /// Traces the packet of stage `number` to the end; its rays come `from` a facet or from the
     /// entrance.
-    fn follow(&mut self, number: usize, from: Option<usize>, course: &Course, tally: &mut Tally) {
+    fn follow(
+        &mut self,
+        number: usize,
+        from: Option<usize>,
+        course: &Course,
+        tallies: &mut [Tally],
+    ) {
         let mut packet = std::mem::take(self.stage(number));
         let way = Way {
             hierarchy: self.hierarchy,
@@ -80,24 +89,19 @@ impl Packets<'_> {
             let members = group.iter().map(|met| *met as u32 as usize);
             let facet = group[0] >> 32;
             if facet == OUT {
-                self.leave(&packet, members, course, tally);
+                self.leave(&packet, members, course, tallies);
                 continue;
             }
             let number_of_facet = facet as usize;
             let facet = &self.scene.facets()[number_of_facet];
             let front = course.direction.dot(facet.normal) < 0.0;
             match course.past(facet.normal, front, self.rules) {
-                Err(fate) => tally.fates[fate as usize] += group.len() as u64,
+                Err(fate) => end(&packet, members, fate, tallies),
                 Ok(onward) => {
                     let reach = self.scene.reach();
-                    let next = self.stage(number + 1);
-                    next.clear();
-                    for which in members {
-                        let slack =
-                            facet.slack_after(course.direction, packet.distance[which], reach);
-                        next.push(packet.point[which], packet.position(which), slack);
-                    }
-                    self.follow(number + 1, Some(number_of_facet), &onward, tally);
+                    let slack = |distance| facet.slack_after(course.direction, distance, reach);
+                    self.stage(number + 1).take(&packet, members, slack);
+                    self.follow(number + 1, Some(number_of_facet), &onward, tallies);
                 }
             }
         }
@@ -110,22 +114,39 @@ impl Packets<'_> {
         packet: &Packet,
         members: impl ExactSizeIterator<Item = usize>,
         course: &Course,
-        tally: &mut Tally,
+        tallies: &mut [Tally],
     ) {
         let fate = course.left(self.direction, self.rules);
         if fate != Fate::Retroreflected {
-            tally.fates[fate as usize] += members.len() as u64;
-            return;
+            return end(packet, members, fate, tallies);
         }
         let index = self.rules.refractive_index;
         let deviation = self.direction.deviation(course.direction, index);
         for which in members {
             let exit = course.at_height(self.scene.height(), packet.position(which));
-            let shift = self.direction.to_frame(exit - packet.point[which]);
+            let entry = &packet.entry[which];
+            let shift = self.direction.to_frame(exit - entry.point);
+            let tally = &mut tallies[entry.part()];
             tally.count_shift(self.bins, shift);
             if let Some(grid) = self.exits {
                 tally.count_exit(self.bins, grid, shift, deviation);
             }
         }
+    }
+}
+
+/// Counts the `members` of `packet`, which all have the fate given.
+fn end(
+    packet: &Packet,
+    members: impl ExactSizeIterator<Item = usize>,
+    fate: Fate,
+    tallies: &mut [Tally],
+) {
+    if let [tally] = tallies {
+        tally.fates[fate as usize] += members.len() as u64;
+        return;
+    }
+    for which in members {
+        tallies[packet.entry[which].part()].fates[fate as usize] += 1;
     }
 }

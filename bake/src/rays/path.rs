@@ -205,9 +205,10 @@ struct Hit {
 }
 
 /// Ray under way.
-struct RayPath {
+pub(crate) struct RayPath {
     /// Present piece of the path.
-    ray: Ray,
+    pub ray: Ray,
+    point: DVec2,
     course: Course,
     prism: [i32; 2],
     photon: Option<Photon>,
@@ -215,9 +216,64 @@ struct RayPath {
 }
 
 impl RayPath {
+    /// Makes the path of the ray that starts at `point` of the entrance plane, edge lengths.
+    #[inline]
+    pub(crate) fn new(
+        scene: &Scene,
+        rules: &Rules,
+        direction: &Incidence,
+        point: DVec2,
+        Luck { chance, sample }: Luck,
+    ) -> Self {
+        RayPath {
+            ray: scene.enter(point, direction.travel),
+            point,
+            course: Course::new(direction),
+            prism: [0, 0],
+            photon: rules.losses.map(|surface| Photon {
+                light: Light::entered(direction.travel, rules.refractive_index),
+                surface,
+                chance,
+            }),
+            sample,
+        }
+    }
+
+    /// Takes the path through the entrance; returns the fate if the path ends there.
+    pub(crate) fn enter(&self) -> Result<(), Fate> {
+        self.photon.as_ref().map_or(Ok(()), |photon| {
+            photon.survive(photon.light.power(), Fate::Absorbed)
+        })
+    }
+
+    /// Returns the outcome of a path that has ended with `fate`.
+    pub(crate) fn outcome(
+        &self,
+        fate: Fate,
+        scene: &Scene,
+        rules: &Rules,
+        direction: &Incidence,
+    ) -> Outcome {
+        let mut shift = DVec2::ZERO;
+        if fate == Fate::Retroreflected {
+            let plane = element::plane(rules.element, scene.height(), scene.bottom());
+            let exit = self.course.at_height(plane, self.ray.origin);
+            let exit = exit + scene.displacement(self.prism);
+            let lead =
+                direction.travel.truncate() * ((plane - scene.height()) / direction.travel.z);
+            shift = direction.to_frame(exit - (self.point + lead));
+        }
+        Outcome {
+            fate,
+            shift,
+            bounces: self.course.bounces,
+            travel: self.course.direction,
+        }
+    }
+
     /// Takes the path past the next event of its ray; returns the fate if the path ends there.
     #[inline]
-    fn pass(
+    pub(crate) fn pass(
         &mut self,
         event: &Event,
         height: f64,
@@ -356,22 +412,8 @@ pub(crate) fn trace(
     point: DVec2,
     luck: impl Into<Luck>,
 ) -> Outcome {
-    let Luck { chance, sample } = luck.into();
-    let mut path = RayPath {
-        ray: scene.enter(point, direction.travel),
-        course: Course::new(direction),
-        prism: [0, 0],
-        photon: rules.losses.map(|surface| Photon {
-            light: Light::entered(direction.travel, rules.refractive_index),
-            surface,
-            chance,
-        }),
-        sample,
-    };
-    let entered = path.photon.as_ref().map_or(Ok(()), |photon| {
-        photon.survive(photon.light.power(), Fate::Absorbed)
-    });
-    let fate = match entered {
+    let mut path = RayPath::new(scene, rules, direction, point, luck.into());
+    let fate = match path.enter() {
         Err(fate) => fate,
         Ok(()) => loop {
             let event = scene.next(&path.ray);
@@ -380,19 +422,7 @@ pub(crate) fn trace(
             }
         },
     };
-    let mut shift = DVec2::ZERO;
-    if fate == Fate::Retroreflected {
-        let plane = element::plane(rules.element, scene.height(), scene.bottom());
-        let exit = path.course.at_height(plane, path.ray.origin) + scene.displacement(path.prism);
-        let lead = direction.travel.truncate() * ((plane - scene.height()) / direction.travel.z);
-        shift = direction.to_frame(exit - (point + lead));
-    }
-    Outcome {
-        fate,
-        shift,
-        bounces: path.course.bounces,
-        travel: path.course.direction,
-    }
+    path.outcome(fate, scene, rules, direction)
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use crate::cell::{PROGRAM_FACETS, SMALL};
 use crate::optics::{Ray, Triangle, triangle};
 use crate::rays::bvh::Hierarchy;
 use crate::rays::nearest::Nearest;
+use crate::rays::simd::fetch;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::{Cell, Entrance, Normals};
 use std::borrow::Cow;
@@ -269,15 +270,24 @@ impl Scene {
     }
 
     /// Makes the next event of `ray` in a cell that is not periodic from its nearest facet.
-    fn event(&self, ray: &Ray, nearest: &Nearest) -> Event {
+    pub(crate) fn event(&self, ray: &Ray, nearest: &Nearest) -> Event {
         nearest.facet.map_or(Event::Out, |facet| {
             self.hit(ray, ray, facet, nearest, [0, 0])
         })
     }
 
-    /// Returns the hierarchy if packets of rays can go down it, which they cannot in a periodic
-    /// cell.
-    pub(crate) fn for_packets(&self) -> Option<&Hierarchy> {
+    /// Brings the normals of the facets found into the caches.
+    pub(crate) fn fetch_normals(&self, found: &[Nearest]) {
+        let Some(normals) = &self.normals else { return };
+        let facets = || found.iter().filter_map(|nearest| nearest.facet);
+        facets().for_each(|facet| fetch(&normals.corners[facet]));
+        for index in facets().flat_map(|facet| normals.corners[facet]) {
+            fetch(&normals.vectors[index as usize]);
+        }
+    }
+
+    /// Returns the hierarchy if rays can go down it together, which they cannot in a periodic cell.
+    pub(crate) fn for_bundles(&self) -> Option<&Hierarchy> {
         let hierarchy = self.hierarchy.as_ref();
         hierarchy.filter(|_| self.walls.is_none())
     }

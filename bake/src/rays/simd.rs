@@ -2,8 +2,9 @@
 //!
 //! It compiles a [`Task`] once per instruction set and calls the best that the processor has.
 //!
-//! The only unsafe act is the call of a function that was compiled for an instruction set. An
-//! [`InstructionSet`] is made only after the processor was asked for it.
+//! There are two unsafe acts. One is the call of a function that was compiled for an instruction
+//! set: an [`InstructionSet`] is made only after the processor was asked for it. The other asks for
+//! memory ahead of its use, which reads no value.
 #![allow(
     unsafe_code,
     reason = "a function compiled for an instruction set may be called only where it is present"
@@ -81,6 +82,27 @@ impl InstructionSet {
         }
     }
 }
+
+/// Brings `value` into the caches ahead of its use. No result depends on it.
+#[inline(always)]
+pub(crate) fn fetch<T>(value: &T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        let start = std::ptr::from_ref(value).cast::<i8>();
+        for byte in (0..size_of::<T>()).step_by(CACHE_LINE) {
+            // SAFETY: the address is that of a byte of `value`, and a prefetch reads no value. SSE
+            // is part of every x86-64.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(byte)) };
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = value;
+}
+
+/// Size of a line of the caches, bytes.
+#[cfg(target_arch = "x86_64")]
+const CACHE_LINE: usize = 64;
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]

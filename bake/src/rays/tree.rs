@@ -21,6 +21,8 @@ pub(crate) struct Node {
     pub children: [u32; 8],
     /// Number of the frame.
     pub frame: u32,
+    /// Bits of the places that hold children.
+    pub used: u32,
 }
 
 /// Bit that marks a child as a block.
@@ -33,6 +35,7 @@ impl Node {
         },
         children: [0; 8],
         frame: 0,
+        used: 0,
     };
 }
 
@@ -188,6 +191,7 @@ impl Binary {
             let smaller = |a: &usize, b: &usize| sum(a).total_cmp(&sum(b));
             let frame = (0..space.frames.len()).min_by(smaller).unwrap_or(0);
             nodes[place].frame = frame as u32;
+            nodes[place].used = (1 << children.len()) - 1;
             for (i, child) in children.into_iter().enumerate() {
                 let bounds = &self.boxes[frame][child];
                 for axis in 0..3 {

@@ -85,6 +85,8 @@ struct Pace {
     step: u64,
     /// Largest number of runs.
     most: usize,
+    /// Number of threads of all ranks.
+    threads: usize,
 }
 
 impl Pace {
@@ -98,17 +100,15 @@ impl Pace {
         };
         // So does sorting by facet: there whole runs are traced.
         let mut scenes = work.sheet.scenes.iter();
-        let large = scenes.any(|scene| scene.is_large() || scene.for_packets().is_some());
+        let large = scenes.any(|scene| scene.is_large() || scene.for_bundles().is_some());
         // One run for each thread of all ranks; every rank takes the number of threads of rank 0.
         let mut threads = [work.pool.current_num_threads() as u64];
         ranks.follow(&mut threads);
+        let threads = threads[0] as usize * ranks.count();
         Pace {
             step: if is_saved && !large { first } else { u64::MAX },
-            most: if large {
-                threads[0] as usize * ranks.count()
-            } else {
-                usize::MAX
-            },
+            most: if large { threads } else { usize::MAX },
+            threads,
         }
     }
 
@@ -118,29 +118,49 @@ impl Pace {
     }
 }
 
-/// Returns the runs that come next, with up to `step` samples of each randomisation.
+/// Returns the runs that come next, with up to `pace.step` samples of each randomisation.
 ///
-/// They are cut to the length that is best traced in one piece.
+/// They are cut to the length that is best traced in one piece. Where rays are sorted, a piece
+/// takes the samples of several randomisations.
 fn next<'a>(
     kernels: &'a [(&DirectionSums, Kernel)],
     share: &dyn Fn(usize) -> Range<u64>,
-    step: u64,
+    pace: &Pace,
 ) -> Vec<Run<'a>> {
     let mut runs = Vec::new();
+    // If there are more threads than directions, each direction is cut for several of them.
+    let cuts = pace.threads.div_ceil(kernels.len().max(1));
     for (direction, kernel) in kernels {
         let launched = &direction.sums().launched;
+        let rest = |(randomisation, done): (usize, &u64)| {
+            let Range { start, end } = share(randomisation);
+            (end - start).saturating_sub(*done).min(pace.step)
+        };
+        let rest: u64 = launched.iter().enumerate().map(rest).sum();
+        let length = kernel.run(rest.div_ceil(cuts as u64));
+        let run = |samples| Run {
+            direction,
+            kernel,
+            samples,
+        };
+        let (mut open, mut room) = (Vec::new(), length);
         for (randomisation, done) in launched.iter().enumerate() {
             let Range { start, end } = share(randomisation);
-            let start = start + done;
-            let end = end.min(start.saturating_add(step));
-            let length = kernel.run();
-            let cuts = (start..end).step_by(length as usize);
-            runs.extend(cuts.map(|from| Run {
-                direction,
-                kernel,
-                randomisation,
-                samples: from..end.min(from + length),
-            }));
+            let mut start = start + done;
+            let end = end.min(start.saturating_add(pace.step));
+            while start < end {
+                let cut = end.min(start + room);
+                open.push((randomisation, start..cut));
+                room -= cut - start;
+                start = cut;
+                if room == 0 || start == end && !kernel.mixes() {
+                    runs.push(run(std::mem::take(&mut open)));
+                    room = length;
+                }
+            }
+        }
+        if !open.is_empty() {
+            runs.push(run(open));
         }
     }
     runs
@@ -274,7 +294,7 @@ impl Rounds<'_, '_> {
             let kernels: Vec<(&DirectionSums, Kernel)> =
                 work.pool.install(|| some.par_iter().map(kernel).collect());
             loop {
-                let mut runs = next(&kernels, share, pace.step);
+                let mut runs = next(&kernels, share, &pace);
                 if runs.is_empty() {
                     break;
                 }

@@ -2,7 +2,7 @@
 //!
 //! The sums are integers, so the number of threads or ranks has no effect on them.
 
-use crate::rays::{Bins, Index, Kernel, Sheet, Sums, Tally};
+use crate::rays::{Bins, Index, Kernel, Part, Sheet, Sums, Tally};
 use crate::run::bake::Bake;
 use crate::run::error::RunError;
 use crate::run::watch::Watch;
@@ -19,22 +19,21 @@ use tables::{Fate, Table};
 /// Largest memory for exit directions, bytes: half of what a table may take.
 const MOST_EXITS: u64 = 1 << 30;
 
-/// Piece of work: samples of one randomisation of one direction.
+/// Piece of work: samples of one direction.
 pub(crate) struct Run<'a> {
     /// Sums that the run is added to.
     pub direction: &'a DirectionSums,
     /// Tracer of the run.
     pub kernel: &'a Kernel,
-    /// Number of the randomisation.
-    pub randomisation: usize,
-    /// Indices of the samples.
-    pub samples: Range<u64>,
+    /// Numbers of the randomisations, with the indices of their samples.
+    pub samples: Vec<(usize, Range<u64>)>,
 }
 
 impl Run<'_> {
     /// Returns the number of rays.
     pub(crate) fn rays(&self) -> u64 {
-        self.samples.end - self.samples.start
+        let samples = self.samples.iter();
+        samples.map(|(_, part)| part.end - part.start).sum()
     }
 }
 
@@ -121,26 +120,37 @@ impl<'a> Work<'a> {
     pub(crate) fn trace(&self, runs: &[Run], number: usize, count: usize) {
         let mine = |(i, run)| (i % count == number).then_some(run);
         let own: Vec<&Run> = runs.iter().enumerate().filter_map(mine).collect();
-        own.par_iter().for_each_init(
-            || Tally::new(&self.bins),
-            |tally, run| {
+        own.par_iter()
+            .for_each_init(Vec::new, |tallies: &mut Vec<Tally>, run| {
                 if self.watch.is_stopped() {
                     return;
                 }
-                tally.clear();
-                let stream = &run.direction.streams[run.randomisation];
-                run.kernel.trace(stream, run.samples.clone(), tally);
-                let exits = tally.take_exits();
-                let mut sums = run.direction.sums();
-                sums.add(run.randomisation, tally);
-                sums.add_exits(&exits);
-                drop(sums);
+                let count = run.samples.len();
+                if tallies.len() < count {
+                    tallies.resize_with(count, || Tally::new(&self.bins));
+                }
+                let tallies = &mut tallies[..count];
+                tallies.iter_mut().for_each(Tally::clear);
+                let part = |(randomisation, samples): &(usize, Range<u64>)| Part {
+                    stream: run.direction.streams[*randomisation],
+                    samples: samples.clone(),
+                };
+                let parts: Vec<Part> = run.samples.iter().map(part).collect();
+                run.kernel.trace_parts(&parts, tallies);
+                for ((randomisation, _), tally) in run.samples.iter().zip(tallies) {
+                    let exits = tally.take_exits();
+                    let mut sums = run.direction.sums();
+                    sums.add(*randomisation, tally);
+                    sums.add_exits(&exits);
+                }
                 self.watch.tell(run.rays());
-            },
-        );
+            });
         let others = runs.iter().enumerate().filter(|(i, _)| i % count != number);
         for (_, run) in others {
-            run.direction.sums().launched[run.randomisation] += run.rays();
+            let launched = &mut run.direction.sums().launched;
+            for (randomisation, samples) in &run.samples {
+                launched[*randomisation] += samples.end - samples.start;
+            }
             self.watch.tell(run.rays());
         }
     }

@@ -550,7 +550,7 @@ fn packets_equal_single_rays_bit_for_bit() {
         let launch = Launch::new(&cell.entrance);
         let [scene, oracle] =
             [Index::Hierarchy, Index::Loop].map(|index| Arc::new(Scene::new(&cell, index)));
-        assert!(scene.for_packets().is_some());
+        assert!(scene.for_bundles().is_some());
         for (incidence, azimuth) in [
             (0.0, 0.0),
             (20.0, 0.0),

@@ -4,7 +4,7 @@
 use crate::cell::{ExactError, Whole};
 use crate::optics::Incidence;
 use crate::plan::{Plan, Request};
-use crate::rays::{Bins, Event, Index, Kernel, Outcome, Scene, Tally, Tracer, trace};
+use crate::rays::{Bins, Event, Index, Kernel, Outcome, Part, Scene, Tally, Tracer, trace};
 use crate::run::RunError;
 use crate::samples::{Launch, Stream};
 use crate::tests::bakes;
@@ -273,6 +273,35 @@ fn large_scenes_are_traced_in_any_order() {
     assert_eq!(sorted.fates.iter().sum::<u64>(), RAYS);
     assert_eq!(sorted.fates, plain.fates);
     assert!(sorted.histogram == plain.histogram);
+}
+
+/// Samples of several randomisations are traced together, in swarms on curved facets and in packets
+/// on planar ones. Each tally is the one that its samples give alone.
+#[test]
+fn samples_traced_together_are_counted_apart() {
+    let (mut cases, mut counted) = (0, 0);
+    for with_normals in [true, false] {
+        let cell = cell(&design(Shape::TriangularPair, 1e-3, 12), with_normals);
+        let scene = Arc::new(Scene::new(&cell, Index::Auto));
+        let (launch, bins) = (Launch::new(&cell.entrance), Bins::new(32, 2.0));
+        let kernel = Kernel::new(&scene, &launch, &RULES, &bins, 20.0, 30.0);
+        assert!(kernel.mixes());
+        let part = |number: u64| Part {
+            stream: Stream::new(Sampler::Sobol, 1, 20.0, 30.0, number),
+            samples: 10 * number..10 * number + 3_000 + number,
+        };
+        let parts: Vec<Part> = (0..5).map(part).collect();
+        let mut together = vec![Tally::new(&bins); parts.len()];
+        kernel.trace_parts(&parts, &mut together);
+        for (part, tally) in parts.iter().zip(&together) {
+            let mut alone = Tally::new(&bins);
+            kernel.trace_one_by_one(&part.stream, part.samples.clone(), &mut alone);
+            assert_eq!(*tally, alone);
+            cases += 1;
+            counted += tally.fates.iter().sum::<u64>();
+        }
+    }
+    assert_eq!((cases, counted), (10, 2 * (5 * 3_000 + 10)));
 }
 
 #[test]
