@@ -1,10 +1,9 @@
 //! Cells whose light stays in convex pits, each closed by facets and one opening.
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 use crate::cell::Body;
 use crate::geometry::polygon;
-use crate::optics::Leaving;
 
 /// Greatest distance of two corners that count as one, edge lengths: far above rounding, far below
 /// any facet.
@@ -41,25 +40,6 @@ impl Pit {
     pub(crate) fn door(&self) -> Vec<DVec2> {
         let last = &self.faces[self.faces.len() - 1];
         last.corners.iter().rev().map(|x| x.truncate()).collect()
-    }
-
-    /// Returns whether all light that three mirrors return goes exactly straight back.
-    ///
-    /// Light of longer ways is looked at direction by direction.
-    pub(crate) fn is_straight(&self, leaving: &Leaving) -> bool {
-        let mirrors = &self.faces[..self.faces.len() - 1];
-        let reflection = |face: &Face| {
-            let one = |axis: DVec3| axis - 2.0 * face.normal.dot(axis) * face.normal;
-            DMat3::from_cols(one(DVec3::X), one(DVec3::Y), one(DVec3::Z))
-        };
-        let maps: Vec<DMat3> = mirrors.iter().map(reflection).collect();
-        let all = || maps.iter().flat_map(|&a| maps.iter().map(move |&b| a * b));
-        let mut ways = all().flat_map(|two| maps.iter().map(move |&map| two * map));
-        ways.all(|map| {
-            let off = map + DMat3::IDENTITY;
-            let off: f64 = off.to_cols_array().iter().map(|x| x.abs()).sum();
-            off < STRAIGHT || !leaving.is_near(map)
-        })
     }
 }
 
