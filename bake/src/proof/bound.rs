@@ -85,7 +85,7 @@ pub(crate) fn bound(
     };
     let alone = guesses.iter().enumerate();
     for (_, guess) in alone.filter(|(number, _)| !stands(*number)) {
-        let light = (guess.values[6].0[0].abs() + 0.01) * polygon::area(&guess.ever);
+        let light = guess.weight(gap, [incidence, azimuth]) * polygon::area(&guess.ever);
         twice += light;
         astray += light;
     }

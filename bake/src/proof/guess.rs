@@ -113,37 +113,39 @@ impl<'a> Guess<'a> {
     /// Returns a bound of what the weight is off from `weight`, in the part of the gap given.
     pub(crate) fn lost(&self, weight: f64, gap: [[f64; 2]; 2], part: [[f64; 2]; 2]) -> f64 {
         let (weights, error) = self.values[6];
-        self.jumped(gap, part) + most([weights[0] - weight, weights[1], weights[2]]) + error
+        let off = most([weights[0] - weight, weights[1], weights[2]]) + error;
+        self.jumped(gap, part)[1] + off
     }
 
-    /// Returns the greatest share of corners that lack the path by a jump.
-    fn jumped(&self, gap: [[f64; 2]; 2], part: [[f64; 2]; 2]) -> f64 {
-        let share = |corner: &[f64; 2]| -> f64 {
-            let along = |axis: usize| {
-                let [from, to] = gap[axis];
-                let at = |x: f64| {
-                    if to > from {
-                        (x - from) / (to - from)
-                    } else {
-                        0.0
-                    }
-                };
-                let near = |x: f64| {
-                    if corner[axis] > 0.0 {
-                        at(x)
-                    } else {
-                        1.0 - at(x)
-                    }
-                };
-                if to > from {
-                    near(part[axis][0]).max(near(part[axis][1]))
-                } else {
-                    1.0
-                }
+    /// Returns a bound of the weight in the part of the gap given.
+    pub(crate) fn weight(&self, gap: [[f64; 2]; 2], part: [[f64; 2]; 2]) -> f64 {
+        let (weights, error) = self.values[6];
+        (most(weights) + error) * (1.0 - self.jumped(gap, part)[0]).max(0.0)
+    }
+
+    /// Returns the least and the greatest share of corners that lack the path by a jump.
+    fn jumped(&self, gap: [[f64; 2]; 2], part: [[f64; 2]; 2]) -> [f64; 2] {
+        let along = |corner: &[f64; 2], axis: usize| {
+            let [from, to] = gap[axis];
+            let share = |x: f64| {
+                let at = (x - from) / (to - from);
+                if corner[axis] > 0.0 { at } else { 1.0 - at }
             };
-            along(0) * along(1)
+            let [a, b] = part[axis].map(share);
+            if to > from {
+                [a.min(b), a.max(b)]
+            } else {
+                [1.0; 2]
+            }
         };
-        self.family.jumps.iter().map(share).sum()
+        let shares = |corner: &[f64; 2]| {
+            let (a, b) = (along(corner, 0), along(corner, 1));
+            [a[0] * b[0], a[1] * b[1]]
+        };
+        let all = self.family.jumps.iter().map(shares);
+        all.fold([0.0; 2], |sum, share| {
+            [sum[0] + share[0], sum[1] + share[1]]
+        })
     }
 }
 

@@ -73,20 +73,27 @@ pub(crate) fn pair(seen: &mut [Seen], guesses: &[Guess<'_>], astray_rad: f64) ->
                 continue;
             };
             let area: f64 = own.iter().map(|&one| shared(guess, &seen[one])).sum();
-            let alike = if guess.turned(returned) < astray_rad {
+            let preferred = if guess.turned(returned) < astray_rad {
                 1.0
             } else {
                 0.01
             };
-            scores.push((alike * area, which, group));
+            scores.push((preferred * area, which, group));
         }
     }
     scores.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let alike = |which: usize, group: usize| {
+        let returned = &seen[groups[group][0]].returned;
+        returned
+            .as_ref()
+            .is_some_and(|returned| guesses[which].turned(returned) < astray_rad)
+    };
     let mut stands = vec![None; guesses.len()];
     let mut taken = vec![Vec::new(); groups.len()];
     for again in [false, true] {
         for &(score, which, group) in &scores {
-            let first = taken[group].is_empty() || again;
+            // Another path that only lies there is better counted by itself.
+            let first = taken[group].is_empty() || again && alike(which, group);
             if score > 0.0 && stands[which].is_none() && first {
                 stands[which] = Some(groups[group][0]);
                 taken[group].push(which);

@@ -20,7 +20,8 @@ pub(crate) struct Face {
     pub offset: f64,
 }
 
-/// Greatest difference of two maps that count as one. Products of three reflections round by some
+/// Greatest difference of two maps that count as one, and greatest cosine of planes at a right
+/// angle. Products of three reflections round by some
 /// 1e-15; light would be off by 1e-11 rad.
 pub(crate) const STRAIGHT: f64 = 1e-11;
 
@@ -40,6 +41,17 @@ impl Pit {
     pub(crate) fn door(&self) -> Vec<DVec2> {
         let last = &self.faces[self.faces.len() - 1];
         last.corners.iter().rev().map(|x| x.truncate()).collect()
+    }
+
+    /// Returns whether all mirrors are at right angles.
+    pub(crate) fn is_right(&self) -> bool {
+        let mirrors = &self.faces[..self.faces.len() - 1];
+        mirrors.iter().enumerate().all(|(number, one)| {
+            let before = &mirrors[..number];
+            before
+                .iter()
+                .all(|other| one.normal.dot(other.normal).abs() < STRAIGHT)
+        })
     }
 }
 

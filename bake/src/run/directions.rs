@@ -11,12 +11,12 @@
 //!
 //! For the cells of [`proved::provable`] trials are not enough: the search ends only when a bound
 //! of the error, in all directions between those of the table, is below the tolerance. A gap with a
-//! greater bound is halved. The search for a proof is given up after [`MOST_LOOKED`] parts of gaps.
-//! Then, and for other cells, the trials are all.
+//! greater bound is halved. The search for a proof is given up after [`MOST_LOOKED`] parts of gaps
+//! or [`MOST_PROVED`] directions. Then, and for other cells, the trials are all.
 
 use crate::cell::ExactCell;
 use crate::plan::default;
-use crate::proof::Proof;
+use crate::proof::{Pit, Proof};
 use crate::run::bake::Bake;
 use crate::run::error::RunError;
 use crate::run::proved::{self, Part};
@@ -33,6 +33,13 @@ const AIM: f64 = 0.8;
 
 /// Number of random directions that are tried at the end.
 pub(crate) const TRIED: u64 = 2000;
+
+/// Part of the tolerance that the search aims at before it looks for a proof of a cell whose mirrors
+/// are not at right angles. Its bounds are above the errors by up to half of the tolerance.
+const AIM_OF_PROOF: f64 = 0.4;
+
+/// Largest number of directions with which a proof is looked for.
+const MOST_PROVED: usize = 300;
 
 /// Number of parts of gaps that are looked at before the tolerance counts as not provable: a minute
 /// or two of one core.
@@ -135,10 +142,18 @@ impl Search<'_> {
     /// help a proof. Returns whether the tolerance is proved.
     fn refine(&mut self, watch: Watch<'_>) -> Result<bool, RunError> {
         let mut looked = 0;
-        let mut tried = None;
+        let mut tried: Option<(Vec<f64>, Vec<f64>)> = None;
         loop {
             if watch.is_stopped() {
                 return Err(RunError::Stopped);
+            }
+            let directions = self.incidences.len() * self.azimuths.len();
+            if looked > MOST_LOOKED || directions > MOST_PROVED {
+                // What was found without a proof stands.
+                if let Some(tried) = tried {
+                    (self.incidences, self.azimuths) = tried;
+                    return Ok(false);
+                }
             }
             // Only polygons are interpolated, so one bin is enough for the table.
             let bake = Bake {
@@ -157,6 +172,13 @@ impl Search<'_> {
             let Some(proof) = &self.proof else {
                 return Ok(false);
             };
+            if tried.is_none() {
+                tried = Some((self.incidences.clone(), self.azimuths.clone()));
+                if !proof.pits.iter().all(Pit::is_right) {
+                    self.aim = AIM_OF_PROOF * self.tolerance;
+                    continue;
+                }
+            }
             let ends = self.azimuth_ends();
             let bounds = proved::parts(proof, &table, &ends, self.tolerance, watch);
             let bounds = bounds.ok_or(RunError::Stopped)?;
@@ -165,12 +187,6 @@ impl Search<'_> {
                 return Ok(true);
             }
             looked += bounds.looked;
-            let (incidences, azimuths) =
-                tried.get_or_insert_with(|| (self.incidences.clone(), self.azimuths.clone()));
-            if looked > MOST_LOOKED {
-                (self.incidences, self.azimuths) = (incidences.clone(), azimuths.clone());
-                return Ok(false);
-            }
             self.halve_open(&open);
         }
     }
