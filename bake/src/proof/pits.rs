@@ -21,8 +21,7 @@ pub(crate) struct Face {
 }
 
 /// Greatest difference of two maps that count as one, and greatest cosine of planes at a right
-/// angle. Products of three reflections round by some
-/// 1e-15; light would be off by 1e-11 rad.
+/// angle. Products of three reflections round by some 1e-15; light would be off by 1e-11 rad.
 pub(crate) const STRAIGHT: f64 = 1e-11;
 
 /// Convex body of air or glass between mirrors and an opening.
