@@ -34,8 +34,8 @@ const AIM: f64 = 0.8;
 /// Number of random directions that are tried at the end.
 pub(crate) const TRIED: u64 = 2000;
 
-/// Part of the tolerance that the search aims at before it looks for a proof of a cell whose mirrors
-/// are not at right angles. Its bounds are above the errors by up to half of the tolerance.
+/// Part of the tolerance that the search aims at before it looks for a proof of a cell whose
+/// mirrors are not at right angles. Its bounds are above the errors by up to half of the tolerance.
 const AIM_OF_PROOF: f64 = 0.4;
 
 /// Largest number of directions with which a proof is looked for.

@@ -239,8 +239,8 @@ mod tests {
     /// Parts of a gap along each angle.
     const SIDE: u32 = 8;
 
-    /// Bounds against trials, in coarse tables and in spoiled ones, so that the errors are large, and
-    /// in finer ones, so that the bounds are small. Every gap is cut into 8 x 8 parts, and one
+    /// Bounds against trials, in coarse tables and in spoiled ones, so that the errors are large,
+    /// and in finer ones, so that the bounds are small. Every gap is cut into 8 x 8 parts, and one
     /// direction is tried in each.
     #[test]
     fn no_trial_exceeds_its_bound() {
@@ -307,8 +307,8 @@ mod tests {
         ratios.sort_by(f64::total_cmp);
         let [least, middle] = [ratios[0], ratios[ratios.len() / 2]];
         println!(
-            "{tried} directions, errors up to {worst:.3}; bound by error, of {} above 0.001 ({uneven} \
-             with dihedral errors): at least {least:.2}, median {middle:.1}",
+            "{tried} directions, errors up to {worst:.3}; bound by error, of {} above 0.001 \
+             ({uneven} with dihedral errors): at least {least:.2}, median {middle:.1}",
             ratios.len()
         );
         assert!(tried > 5000 && worst > 0.05 && ratios.len() > 500 && uneven > 200);
@@ -342,9 +342,10 @@ mod tests {
             let proof = provable(exact, &bake.rules, trial::ASTRAY_RAD).expect("of the class");
             let table = bake.beams(exact, Watch::none()).expect("a table");
             let ends = &table.axes.azimuth_deg;
+            let (_, width) = bake.symmetry.sector_deg();
             let ends: Vec<f64> = match bake.symmetry.mirror_deg {
                 Some(_) => ends.clone(),
-                None => ends.iter().copied().chain([ends[0] + 360.0]).collect(),
+                None => ends.iter().copied().chain([ends[0] + width]).collect(),
             };
             let bounds = parts(&proof, &table, &ends, tolerance, Watch::none()).expect("bounds");
             for part in &bounds.parts {
@@ -353,8 +354,8 @@ mod tests {
             }
             let (incidences, azimuths) = table.axes.shape();
             println!(
-                "{} {index}: {incidences} x {azimuths} directions in {seconds:.1} s, {tolerance} in {} \
-                 parts",
+                "{} {index}: {incidences} x {azimuths} directions in {seconds:.1} s, {tolerance} in \
+                 {} parts",
                 cell.design,
                 bounds.parts.len()
             );
@@ -362,21 +363,6 @@ mod tests {
         }
         println!("{proved} parts");
         assert!(proved > 500);
-    }
-
-    #[test]
-    fn gaps() {
-        let cell = &cells()[3];
-        let request = request("0,9.5,19,28.5,38", "full:11.25", 1.0);
-        let plan = Plan::new(&request).expect("a valid request");
-        let prepared = Prepared::new(cell.clone());
-        let exact = prepared.exact().expect("planar");
-        let bake = Bake::new(&prepared, &plan).expect("a bake");
-        let proof = provable(exact, &bake.rules, trial::ASTRAY_RAD).expect("class");
-        let table = bake.beams(exact, Watch::none()).expect("a table");
-        let mut ends = table.axes.azimuth_deg.clone();
-        ends.push(180.0);
-        parts(&proof, &table, &ends, 0.005, Watch::none());
     }
 
     /// Cells and rules that the bound does not cover are not said to be proved.

@@ -53,8 +53,8 @@ pub(crate) const FASTEST: f64 = 4.0;
 /// these numbers.
 ///
 /// They are w x (tau, -1) for light that is turned by the small rotation w. They change by |w| at
-/// most, and they are |w| where w lies across the light. The turn about the normal, w_z, is compared
-/// beside them; the map shows it up to a part of |tau|.
+/// most, and they are |w| where w lies across the light. The turn about the normal, w_z, is
+/// compared beside them; the map shows it up to a part of |tau|.
 const TURN: f64 = 1.5;
 
 /// Rotation of light, rad, below which paths are not told apart by it: far above rounding, far
