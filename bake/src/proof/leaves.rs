@@ -157,6 +157,7 @@ impl Search<'_> {
             centre,
             first,
             second,
+            ..
         } = *self.patch;
         let still = DVec2::new(edge.y, -edge.x);
         Some(Moving {

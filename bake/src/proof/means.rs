@@ -13,10 +13,19 @@
 //! is least is then sum w_j^2 d_j^4 + |T|^2 / ridge in the scale of the nearest direction, and it
 //! is still at most S, as u has no fault. So |T| <= sqrt(ridge n S) / (nearest distance).
 //!
+//! In a small patch there is more to know. Let u be the weights at tau of the affine least squares
+//! whose d_j are frozen at the middle of the patch, d'_j: sum u_j f_j is affine in tau. Both w and
+//! u give back affine functions, so v = w - u gives 0 for all of them. As w and u are the least of
+//! their kind, sum d_j^4 w_j v_j = 0 and sum d'_j^4 u_j v_j = 0. So sum d_j^4 v_j^2 = - sum d_j^4
+//! u_j v_j = - sum (d_j^4 - d'_j^4) u_j v_j. By Cauchy and Schwarz, sum d_j^4 v_j^2 is at most
+//! sum (d_j^2 - d'_j^4 / d_j^2)^2 u_j^2, and the mean is off from sum u_j f_j by at most the root
+//! of that times sqrt(sum r_j^2 / d_j^4). This error falls with the size of the patch. (With the fault
+//! T below, w is the least of the weights that give back tau + T, and u is taken there.)
+//!
 //! If all directions lie on one line, the value does not change across it, and the same holds
 //! along it.
 
-use glam::DVec2;
+use glam::{DMat3, DVec2};
 
 use crate::proof::moving::{Affine, Patch};
 
@@ -51,6 +60,10 @@ pub(crate) fn enclose<const N: usize>(
     let slopes = slopes(values, &places, nearest, line);
     let others = || order.iter().copied().filter(|&j| j != nearest);
     let (size, loose) = combination(&places, &distances, &order, line, patch);
+    let frozen = match line {
+        None => frozen(&places, &distances, loose, patch),
+        Some(_) => None,
+    };
     std::array::from_fn(|k| {
         let (start, slope) = (values[nearest].1[k], slopes[k]);
         let at = |tau: DVec2| start + slope.dot(tau - places[nearest]);
@@ -66,12 +79,90 @@ pub(crate) fn enclose<const N: usize>(
             r if r <= rounding => 0.0,
             r => (r / distances[j].1.powi(2)).powi(2),
         });
+        let mut frozen_value = None;
         let misfit = quotients.sum::<f64>().sqrt();
+        if let Some((weights, size)) = &frozen
+            && misfit > 0.0
+        {
+            let beyond = |j: usize| values[j].1[k] - start;
+            let sum = |of: &dyn Fn(&Frozen) -> f64| -> f64 {
+                let parts = weights.iter().enumerate();
+                parts.map(|(j, weight)| beyond(j) * of(weight)).sum()
+            };
+            let steep = DVec2::new(sum(&|u| u.slope.x), sum(&|u| u.slope.y));
+            let near = [
+                start + sum(&|u| u.middle),
+                steep.dot(patch.first),
+                steep.dot(patch.second),
+            ];
+            frozen_value = Some((near, size * misfit + steep.length() * loose));
+        }
         let error = if misfit == 0.0 { 0.0 } else { size * misfit };
         let steep = slope.length();
         let fault = if steep == 0.0 { 0.0 } else { steep * loose };
-        (value, error + fault + 16.0 * rounding)
+        let whole = (value, error + fault);
+        let (value, error) = match frozen_value {
+            Some(near) if near.1 < whole.1 => near,
+            _ => whole,
+        };
+        (value, error + 16.0 * rounding)
     })
+}
+
+/// Weight that is affine in tau: its value in the middle of the patch, and its slope.
+struct Frozen {
+    middle: f64,
+    slope: DVec2,
+}
+
+/// Returns the weights of the least squares that is frozen at the middle of the patch, and the root
+/// of the bound of sum d^4 v^2, or `None` if a direction lies in the patch or close to it.
+fn frozen(
+    places: &[DVec2],
+    distances: &[(f64, f64)],
+    loose: f64,
+    patch: &Patch,
+) -> Option<(Vec<Frozen>, f64)> {
+    let away: Vec<f64> = places.iter().map(|p| p.distance(patch.centre)).collect();
+    let closest = away.iter().copied().fold(f64::INFINITY, f64::min);
+    let size = patch.first.length() + patch.second.length();
+    if places.len() < 3 || closest < 2.0 * size || closest == 0.0 {
+        return None;
+    }
+    // Distances from the middle, in units of the closest direction.
+    let seen = |j: usize| ((places[j] - patch.centre) / closest).extend(1.0);
+    let heavy = |j: usize| (closest / away[j]).powi(4);
+    let mut moments = DMat3::ZERO;
+    for j in 0..places.len() {
+        let y = seen(j);
+        moments += DMat3::from_cols(y * y.x, y * y.y, y * y.z) * heavy(j);
+    }
+    let inverse = moments.inverse();
+    // Relative error of the weights by rounding is some 1e-16 by the condition, kept below 1e-8.
+    let sizes = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+    if !inverse.is_finite() || sizes(moments) * sizes(inverse) > 1e7 {
+        return None;
+    }
+    let weight = |j: usize| {
+        let row = inverse * seen(j) * heavy(j);
+        Frozen {
+            middle: row.z,
+            slope: row.truncate() / closest,
+        }
+    };
+    let weights: Vec<Frozen> = (0..places.len()).map(weight).collect();
+    let parts = weights
+        .iter()
+        .zip(distances)
+        .zip(&away)
+        .map(|((u, (far, near)), at)| {
+            let moved = u.slope.dot(patch.first).abs() + u.slope.dot(patch.second).abs();
+            let most = u.middle.abs() + moved + u.slope.length() * loose;
+            let change = |d: f64| (d * d - at.powi(4) / (d * d)).abs();
+            (most * change(*far).max(change(*near))).powi(2)
+        });
+    let size = parts.sum::<f64>().sqrt();
+    Some((weights, size))
 }
 
 /// Returns the direction of the line on which all places lie, 0 if they are one, or `None` if they

@@ -6,9 +6,13 @@
 //! facet sequences of all directions of a patch at once.
 
 mod bound;
+mod crossing;
+mod group;
+mod guess;
 mod leaves;
 mod means;
 mod moving;
+mod pairs;
 mod pits;
 mod returned;
 

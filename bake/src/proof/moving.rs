@@ -13,6 +13,10 @@ pub(crate) struct Patch {
     pub centre: DVec2,
     pub first: DVec2,
     pub second: DVec2,
+    /// Unit vector along the azimuth in the middle.
+    pub axis: DVec2,
+    /// Greatest turn of the azimuth from there, rad.
+    pub turn: f64,
 }
 
 /// Corners of (s, t).
@@ -37,6 +41,8 @@ impl Patch {
             centre: 0.5 * (near + far) * axis,
             first: 0.5 * (far - near) * axis,
             second: radius[1] * half.sin() * axis.perp(),
+            axis,
+            turn: half,
         }
     }
 
@@ -119,8 +125,18 @@ impl Moving {
         }
     }
 
+    /// Returns a half-plane all of whose points in `polygon` are in this one for every direction of
+    /// the patch.
+    fn always(&self, polygon: &[DVec2]) -> HalfPlane {
+        let ever = self.ever(polygon);
+        HalfPlane {
+            constant: 2.0 * self.offset[0] - ever.constant,
+            ..ever
+        }
+    }
+
     /// Returns the half-plane in the middle of the patch, without error.
-    pub(crate) fn middle(&self) -> HalfPlane {
+    fn middle(&self) -> HalfPlane {
         HalfPlane {
             gradient: self.normal[0],
             anchor: DVec2::ZERO,
@@ -132,12 +148,35 @@ impl Moving {
 /// Returns a polygon that holds all points of `start` that are in all `lines` for one direction of
 /// the patch.
 pub(crate) fn ever<'a>(start: &[DVec2], lines: impl IntoIterator<Item = &'a Moving>) -> Polygon {
+    cut(start, lines, Moving::ever)
+}
+
+/// Returns points of `start` that are in all `lines` for every direction of the patch.
+pub(crate) fn always(start: &[DVec2], lines: &[Moving]) -> Polygon {
+    cut(start, lines, Moving::always)
+}
+
+/// Returns the points of `start` that are in all `lines` in the middle of the patch, without error.
+pub(crate) fn middle<'a>(start: &[DVec2], lines: impl IntoIterator<Item = &'a Moving>) -> Polygon {
+    cut(start, lines, |line, _| line.middle())
+}
+
+/// Cuts `start` by the half-plane that each line has for what is left.
+fn cut<'a>(
+    start: &[DVec2],
+    lines: impl IntoIterator<Item = &'a Moving>,
+    plane: impl Fn(&Moving, &[DVec2]) -> HalfPlane,
+) -> Polygon {
     let mut kept = start.to_vec();
     for line in lines {
         if kept.is_empty() {
             break;
         }
-        kept = polygon::clip(&kept, [line.ever(&kept)]);
+        let plane = plane(line, &kept);
+        // Most lines cut nothing off.
+        if kept.iter().any(|&x| plane.value(x) > 0.0) {
+            kept = polygon::clip(&kept, [plane]);
+        }
     }
     kept
 }
@@ -153,45 +192,98 @@ pub(crate) fn ever<'a>(start: &[DVec2], lines: impl IntoIterator<Item = &'a Movi
 /// points lie in a strip across f, whose width is that range of f over the least gradient, and
 /// whose length is the extent of the points along it.
 pub(crate) fn overlap(within: &[DVec2], first: &[Moving], second: &[Moving]) -> f64 {
-    let points = ever(within, first.iter().chain(second));
+    overlap_facing(within, first, second, &[])
+}
+
+/// Two lines that run against each other and whose sum is known better than both.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Facing {
+    /// One of the lines.
+    pub line: Moving,
+    /// Greatest error of its normal.
+    pub loose: f64,
+    /// Sum of the functions of both lines.
+    pub sum: Moving,
+}
+
+/// Returns a bound as [`overlap`] does, where lines of the two are known to be `facing`.
+pub(crate) fn overlap_facing(
+    within: &[DVec2],
+    first: &[Moving],
+    second: &[Moving],
+    facing: &[Facing],
+) -> f64 {
+    // Few lines usually cut off more than many, which then have less to do.
+    let points = if first.len() <= second.len() {
+        ever(within, first.iter().chain(second))
+    } else {
+        ever(within, second.iter().chain(first))
+    };
     let mut least = polygon::area(&points);
     if least <= 0.0 {
         return 0.0;
     }
     for f in first {
         for g in second {
-            if let Some(area) = strip(&points, f, g) {
+            if let Some(facing) = Facing::of(f, g)
+                && let Some(area) = strip(&points, &facing)
+            {
                 least = least.min(area);
             }
         }
     }
-    least
+    let strips = facing.iter().filter_map(|facing| strip(&points, facing));
+    strips.fold(least, f64::min)
 }
 
-/// Returns a bound of the area of `points` between two lines that run against each other, or `None`
-/// if they do not.
-fn strip(points: &[DVec2], f: &Moving, g: &Moving) -> Option<f64> {
-    let (a, b) = (f.normal[0].length(), g.normal[0].length());
-    if f.normal[0].dot(g.normal[0]) > -0.8 * a * b || a == 0.0 || b == 0.0 {
-        return None;
+impl Facing {
+    /// Returns two lines that run against each other, scaled so that their normals cancel in the
+    /// middle, or `None` if they do not.
+    fn of(f: &Moving, g: &Moving) -> Option<Facing> {
+        let (a, b) = (f.normal[0].length(), g.normal[0].length());
+        if f.normal[0].dot(g.normal[0]) > -0.8 * a * b || a == 0.0 || b == 0.0 {
+            return None;
+        }
+        let sum = |p: f64, q: f64| p + a / b * q;
+        Some(Facing {
+            line: *f,
+            loose: 0.0,
+            sum: Moving {
+                offset: [0, 1, 2].map(|k| sum(f.offset[k], g.offset[k])),
+                normal: [0, 1, 2].map(|k| f.normal[k] + a / b * g.normal[k]),
+                error: sum(f.error, g.error),
+            },
+        })
     }
+
+    /// Returns the other sides of both lines.
+    pub(crate) fn beyond(&self) -> Facing {
+        Facing {
+            line: self.line.beyond(),
+            loose: self.loose,
+            sum: self.sum.beyond(),
+        }
+    }
+}
+
+/// Returns a bound of the area of `points` between two lines that face each other, or `None` if
+/// they turn too much.
+fn strip(points: &[DVec2], facing: &Facing) -> Option<f64> {
+    let (f, sum) = (&facing.line, &facing.sum);
+    let steep = f.normal[0].length();
     // Turn of f, as a part of its gradient.
-    let turn = (f.normal[1].length() + f.normal[2].length()) / a;
-    if turn > 0.5 {
+    let turn = (f.normal[1].length() + f.normal[2].length() + facing.loose) / steep;
+    if turn.is_nan() || turn > 0.5 {
         return None;
     }
-    let scale = [1.0 / a, 1.0 / b];
-    let mut sum = f64::INFINITY;
+    let mut least = f64::INFINITY;
     for &x in points {
-        let at = scale[0] * (f.offset[0] + f.normal[0].dot(x))
-            + scale[1] * (g.offset[0] + g.normal[0].dot(x));
-        let ([p, q], [r, s]) = (f.change(x), g.change(x));
-        let moved = [p * scale[0] + r * scale[1], q * scale[0] + s * scale[1]];
-        sum = sum.min(at - moved[0].abs() - moved[1].abs());
+        let at = sum.offset[0] + sum.normal[0].dot(x);
+        let [s, t] = sum.change(x);
+        least = least.min(at - s.abs() - t.abs());
     }
-    let errors = f.error * scale[0] + g.error * scale[1];
-    let width = (errors - sum).max(0.0) / (1.0 - turn);
-    let across = f.normal[0] / a;
+    let width = (sum.error - least).max(0.0) / (steep * (1.0 - turn));
+    let across = f.normal[0] / steep;
     let extent = |axis: DVec2| {
         let along = || points.iter().map(|x| x.dot(axis));
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)

@@ -1,10 +1,9 @@
 //! Cells whose light stays in convex pits, each closed by facets and one opening.
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 use crate::cell::Body;
 use crate::geometry::polygon;
-use crate::optics::Leaving;
 
 /// Greatest distance of two corners that count as one, edge lengths: far above rounding, far below
 /// any facet.
@@ -21,8 +20,8 @@ pub(crate) struct Face {
     pub offset: f64,
 }
 
-/// Greatest difference of two maps that count as one. Products of three reflections round by some
-/// 1e-15; light would be off by 1e-11 rad.
+/// Greatest difference of two maps that count as one, and greatest cosine of planes at a right
+/// angle. Products of three reflections round by some 1e-15; light would be off by 1e-11 rad.
 pub(crate) const STRAIGHT: f64 = 1e-11;
 
 /// Convex body of air or glass between mirrors and an opening.
@@ -43,22 +42,14 @@ impl Pit {
         last.corners.iter().rev().map(|x| x.truncate()).collect()
     }
 
-    /// Returns whether all light that three mirrors return goes exactly straight back.
-    ///
-    /// Light of longer ways is looked at direction by direction.
-    pub(crate) fn is_straight(&self, leaving: &Leaving) -> bool {
+    /// Returns whether all mirrors are at right angles.
+    pub(crate) fn is_right(&self) -> bool {
         let mirrors = &self.faces[..self.faces.len() - 1];
-        let reflection = |face: &Face| {
-            let one = |axis: DVec3| axis - 2.0 * face.normal.dot(axis) * face.normal;
-            DMat3::from_cols(one(DVec3::X), one(DVec3::Y), one(DVec3::Z))
-        };
-        let maps: Vec<DMat3> = mirrors.iter().map(reflection).collect();
-        let all = || maps.iter().flat_map(|&a| maps.iter().map(move |&b| a * b));
-        let mut ways = all().flat_map(|two| maps.iter().map(move |&map| two * map));
-        ways.all(|map| {
-            let off = map + DMat3::IDENTITY;
-            let off: f64 = off.to_cols_array().iter().map(|x| x.abs()).sum();
-            off < STRAIGHT || !leaving.is_near(map)
+        mirrors.iter().enumerate().all(|(number, one)| {
+            let before = &mirrors[..number];
+            before
+                .iter()
+                .all(|other| one.normal.dot(other.normal).abs() < STRAIGHT)
         })
     }
 }

@@ -4,9 +4,7 @@ use crate::cell::{ExactCell, Prepared};
 use crate::optics::Rules;
 use crate::plan::Plan;
 use crate::rays::Tracer;
-use crate::run::proved::provable;
 use crate::run::provenance::provenance;
-use crate::run::trial::ASTRAY_RAD;
 use tables::options::{Method, Sampler};
 use tables::{Axes, Provenance, Symmetry};
 
@@ -27,6 +25,8 @@ pub(crate) struct Bake<'a> {
     pub rules: Rules,
     /// Way in which rays are traced.
     pub tracer: Tracer,
+    /// True if directions were chosen for a tolerance and a bound of the error is below it.
+    pub proved: bool,
 }
 
 impl Bake<'_> {
@@ -40,13 +40,9 @@ impl Bake<'_> {
         &self.axes
     }
 
-    /// Returns whether the tolerance between directions is proved: it is wherever proofs are
-    /// possible, for the search ends only then.
+    /// Returns whether the tolerance between directions is proved, and not tried only.
     pub(crate) fn is_proved(&self) -> bool {
-        let chosen = self
-            .exact
-            .filter(|_| self.plan.direction_tolerance.is_some());
-        chosen.is_some_and(|exact| provable(exact, &self.rules, ASTRAY_RAD).is_some())
+        self.proved && self.exact.is_some()
     }
 
     /// Returns the provenance of a table that is made by `method` with `sampler`.

@@ -11,14 +11,15 @@
 //!
 //! For the cells of [`proved::provable`] trials are not enough: the search ends only when a bound
 //! of the error, in all directions between those of the table, is below the tolerance. A gap with a
-//! greater bound is halved. For other cells the trials are all.
+//! greater bound is halved. The search for a proof is given up after [`MOST_LOOKED`] parts of gaps
+//! or [`MOST_PROVED`] directions. Then, and for other cells, the trials are all.
 
 use crate::cell::ExactCell;
 use crate::plan::default;
-use crate::proof::Proof;
+use crate::proof::{Pit, Proof};
 use crate::run::bake::Bake;
 use crate::run::error::RunError;
-use crate::run::proved;
+use crate::run::proved::{self, Part};
 use crate::run::trial::{self, ASTRAY_RAD, OPEN};
 use crate::run::watch::Watch;
 use crate::samples::Stream;
@@ -33,8 +34,16 @@ const AIM: f64 = 0.8;
 /// Number of random directions that are tried at the end.
 pub(crate) const TRIED: u64 = 2000;
 
-/// Greatest bound of a direction whose error is not proved. It is below [`OPEN`].
-const UNPROVED: f64 = 0.99;
+/// Part of the tolerance that the search aims at before it looks for a proof of a cell whose
+/// mirrors are not at right angles. Its bounds are above the errors by up to half of the tolerance.
+const AIM_OF_PROOF: f64 = 0.4;
+
+/// Largest number of directions with which a proof is looked for.
+const MOST_PROVED: usize = 300;
+
+/// Number of parts of gaps that are looked at before the tolerance counts as not provable: a minute
+/// or two of one core.
+const MOST_LOOKED: usize = 60_000;
 
 /// Largest number of directions.
 ///
@@ -42,7 +51,8 @@ const UNPROVED: f64 = 0.99;
 /// them. A pair of ideal cubes needs 6 for a tolerance of 0.005.
 const MOST_DIRECTIONS: usize = 1000;
 
-/// Chooses the directions of `bake` for `tolerance` and returns the axes with them.
+/// Chooses the directions of `bake` for `tolerance` and returns the axes with them, and whether the
+/// tolerance is proved.
 ///
 /// The exact method serves as the truth.
 ///
@@ -55,7 +65,7 @@ pub(crate) fn choose(
     exact: &ExactCell,
     tolerance: f64,
     watch: Watch<'_>,
-) -> Result<Axes, RunError> {
+) -> Result<(Axes, bool), RunError> {
     let ends = |angles: &[f64]| match angles {
         [first, .., last] => vec![*first, *last],
         other => other.to_vec(),
@@ -77,8 +87,8 @@ pub(crate) fn choose(
         tolerance,
         aim: AIM * tolerance,
     };
-    pool(bake.plan.threads)?.install(|| search.refine(watch))?;
-    Ok(search.axes(bake.axes.bins))
+    let proved = pool(bake.plan.threads)?.install(|| search.refine(watch))?;
+    Ok((search.axes(bake.axes.bins), proved))
 }
 
 /// Search for the directions of a table.
@@ -128,11 +138,22 @@ impl Search<'_> {
             .collect()
     }
 
-    /// Halves gaps until all directions that are tried are within the aim.
-    fn refine(&mut self, watch: Watch<'_>) -> Result<(), RunError> {
+    /// Halves gaps until all directions that are tried are within the aim, and as long as that may
+    /// help a proof. Returns whether the tolerance is proved.
+    fn refine(&mut self, watch: Watch<'_>) -> Result<bool, RunError> {
+        let mut looked = 0;
+        let mut tried: Option<(Vec<f64>, Vec<f64>)> = None;
         loop {
             if watch.is_stopped() {
                 return Err(RunError::Stopped);
+            }
+            let directions = self.incidences.len() * self.azimuths.len();
+            if looked > MOST_LOOKED || directions > MOST_PROVED {
+                // What was found without a proof stands.
+                if let Some(tried) = tried {
+                    (self.incidences, self.azimuths) = tried;
+                    return Ok(false);
+                }
             }
             // Only polygons are interpolated, so one bin is enough for the table.
             let bake = Bake {
@@ -143,14 +164,30 @@ impl Search<'_> {
             let mut found = self.errors(&table, self.middles());
             if worst(&found) <= self.aim {
                 found = self.errors(&table, self.random());
-                if worst(&found) <= self.aim {
-                    found = self.unproved(&table, watch)?;
-                    if found.is_empty() {
-                        return Ok(());
-                    }
+            }
+            if worst(&found) > self.aim {
+                self.halve(&found)?;
+                continue;
+            }
+            let Some(proof) = &self.proof else {
+                return Ok(false);
+            };
+            if tried.is_none() {
+                tried = Some((self.incidences.clone(), self.azimuths.clone()));
+                if !proof.pits.iter().all(Pit::is_right) {
+                    self.aim = AIM_OF_PROOF * self.tolerance;
+                    continue;
                 }
             }
-            self.halve(&found)?;
+            let ends = self.azimuth_ends();
+            let bounds = proved::parts(proof, &table, &ends, self.tolerance, watch);
+            let bounds = bounds.ok_or(RunError::Stopped)?;
+            let open = self.open(&bounds.parts);
+            if open.is_empty() {
+                return Ok(true);
+            }
+            looked += bounds.looked;
+            self.halve_open(&open);
         }
     }
 
@@ -211,29 +248,20 @@ impl Search<'_> {
             .collect()
     }
 
-    /// Returns a direction of each gap whose bound is above the tolerance, with that bound.
-    ///
-    /// It is empty if the tolerance is proved, and for cells without proofs.
-    fn unproved(&self, table: &Table, watch: Watch<'_>) -> Result<Vec<(f64, Probe)>, RunError> {
-        let Some(proof) = &self.proof else {
-            return Ok(Vec::new());
-        };
+    /// Returns a direction of each gap whose bound is above the tolerance.
+    fn open(&self, parts: &[Part]) -> Vec<Probe> {
         let azimuths = self.azimuth_ends();
-        let parts = proved::parts(proof, table, &azimuths, self.tolerance, watch);
-        let parts = parts.ok_or(RunError::Stopped)?;
         let gap = |ends: &[f64], [from, to]: [f64; 2]| {
             (from < to).then(|| ends.partition_point(|&end| end <= from).max(1) - 1)
         };
         let open = parts.iter().filter(|part| part.bound > self.tolerance);
-        let probe = |part: &proved::Part| Probe {
+        let probe = |part: &Part| Probe {
             incidence_deg: part.incidence_deg[0],
             azimuth_deg: part.azimuth_deg[0],
             along: gap(&self.incidences, part.incidence_deg),
             across: gap(&azimuths, part.azimuth_deg),
         };
-        // A bound may be infinite, and is no error that was found.
-        let found = open.map(|part| (part.bound.min(UNPROVED), probe(part)));
-        Ok(found.collect())
+        open.map(probe).collect()
     }
 
     /// Returns the error of each direction to try.
@@ -304,19 +332,49 @@ impl Search<'_> {
                 directions: MOST_DIRECTIONS,
             });
         }
-        for (which, ends) in [(0, self.incidences.clone()), (1, azimuths)] {
-            let axis = if which == 0 {
-                &mut self.incidences
-            } else {
-                &mut self.azimuths
+        self.insert(errors.map(|axis| axis.iter().map(|&error| error > least).collect()));
+        Ok(())
+    }
+
+    /// Halves the gaps that are not proved, each along the angle that turns the light more.
+    fn halve_open(&mut self, open: &[Probe]) {
+        let azimuths = self.azimuth_ends();
+        let mut marked = [
+            vec![false; self.incidences.len() - 1],
+            vec![false; azimuths.len() - 1],
+        ];
+        for probe in open {
+            let along_is_wider = match (probe.along, probe.across) {
+                (Some(along), Some(across)) => {
+                    let steepest = self.incidences[along + 1];
+                    let turn =
+                        steepest.to_radians().sin() * (azimuths[across + 1] - azimuths[across]);
+                    steepest - self.incidences[along] >= turn
+                }
+                (along, _) => along.is_some(),
             };
-            let wide = errors[which].iter().enumerate();
-            for (gap, _) in wide.filter(|(_, error)| **error > least) {
-                axis.push(0.5 * (ends[gap] + ends[gap + 1]));
+            let (axis, gap) = if along_is_wider {
+                (0, probe.along)
+            } else {
+                (1, probe.across)
+            };
+            if let Some(gap) = gap {
+                marked[axis][gap] = true;
             }
+        }
+        self.insert(marked);
+    }
+
+    /// Adds the middles of the gaps marked, of incidences and of azimuths.
+    fn insert(&mut self, marked: [Vec<bool>; 2]) {
+        let ends = [self.incidences.clone(), self.azimuth_ends()];
+        let axes = [&mut self.incidences, &mut self.azimuths];
+        for ((axis, ends), marked) in axes.into_iter().zip(ends).zip(marked) {
+            let gaps = ends.windows(2).zip(marked);
+            let halved = gaps.filter(|(_, marked)| *marked);
+            axis.extend(halved.map(|(gap, _)| 0.5 * (gap[0] + gap[1])));
             axis.sort_by(f64::total_cmp);
         }
-        Ok(())
     }
 }
 

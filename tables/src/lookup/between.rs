@@ -53,8 +53,13 @@ pub(crate) const FASTEST: f64 = 4.0;
 /// these numbers.
 ///
 /// They are w x (tau, -1) for light that is turned by the small rotation w. They change by |w| at
-/// most, and they are |w| where w lies across the light.
+/// most, and they are |w| where w lies across the light. The turn about the normal, w_z, is
+/// compared beside them; the map shows it up to a part of |tau|.
 const TURN: f64 = 1.5;
+
+/// Rotation of light, rad, below which paths are not told apart by it: far above rounding, far
+/// below any error of a facet.
+const LEAST_ASTRAY: f64 = 1e-9;
 
 /// Part of a path's area from which on its absence in a direction is a jump.
 ///
@@ -276,6 +281,14 @@ impl Shape {
         })
     }
 
+    /// Returns the turn of the light about the normal of the sheet, w_z of [`TURN`].
+    ///
+    /// Exit directions near normal incidence do not show it.
+    fn about(&self) -> f64 {
+        let [[_, b], [c, _]] = self.matrix;
+        0.5 * (c - b)
+    }
+
     /// Returns the greatest reach of the polygon along `normal`.
     fn reach(&self, normal: [f64; 2]) -> f64 {
         let along = self.corners.iter().map(|&p| dot(normal, p));
@@ -328,7 +341,7 @@ pub(crate) fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, u
     // Light of one path hardly turns against the errors of its facets. So exit directions tell
     // paths apart whose polygons are alike, as those of one cube with errors are at its limit.
     let lengths = seen.iter().flatten().map(|s| distance(s.astray, [0.0; 2]));
-    let most_astray = lengths.fold(f64::MIN_POSITIVE, f64::max);
+    let most_astray = lengths.fold(LEAST_ASTRAY, f64::max);
     let mut families: Vec<Vec<(usize, usize)>> = Vec::new();
     for index in order {
         let mut costs = Vec::new();
@@ -345,7 +358,8 @@ pub(crate) fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, u
             for (path, shape) in seen[index].iter().enumerate() {
                 let known = &seen[like][first];
                 let unlike = shape.unlike(known);
-                let turned = distance(shape.astray, known.astray) / most_astray;
+                let about = shape.about() - known.about();
+                let turned = distance(shape.astray, known.astray).hypot(about) / most_astray;
                 let turns = turned <= TURN * apart(like) + SHORT;
                 if unlike <= most && turns && shape.passes == known.passes {
                     costs.push((unlike + FASTEST * turned, which, path));
@@ -889,6 +903,31 @@ mod tests {
                 corner: [0.0; 2],
             }
         })
+    }
+
+    /// Two paths have one polygon and one exit direction, as two facet orders of a cube with errors
+    /// may have near normal incidence, but turn the light about the normal by opposite angles. They
+    /// are told apart in whatever order a direction lists them.
+    #[test]
+    fn paths_are_told_apart_by_their_turn_about_the_normal() {
+        let turn = 4e-4;
+        let path = |turn: f64| Path {
+            matrix: [[-2.0, -turn], [turn, -2.0]],
+            deviation: [1e-3, 0.0],
+            ..point_mirror(square(1.0, 0.0))
+        };
+        let mut nodes = two(0.01, [square(1.0, 0.0), square(1.0, 0.0)]);
+        nodes[0].paths = vec![path(turn), path(-turn)];
+        nodes[1].paths = vec![path(-turn), path(turn)];
+        let found = paths(&nodes, [0.0, 0.3], 0.0, 1.0).unwrap();
+        let mut turns: Vec<f64> = found.iter().map(|path| path.matrix[1][0]).collect();
+        turns.sort_by(f64::total_cmp);
+        assert_eq!(turns.len(), 2);
+        // Means of equal numbers; the matrices have ulps of 2.
+        assert!(
+            (turns[0] + turn).abs() < 1e-15 && (turns[1] - turn).abs() < 1e-15,
+            "{turns:?}"
+        );
     }
 
     /// Returns the square of half side `half`, turned by `turn` about its centre in the origin.
