@@ -71,9 +71,9 @@ pub(crate) fn grid(
             Err(error @ Error::Large { .. }) => {
                 fineness = match coarser.take() {
                     Some(coarser) => coarser,
-                    None if best.is_none() && tried <= COARSER => {
-                        AXES.iter().fold(fineness, |all, &axis| finer(all, axis, 1.0 / FINER))
-                    }
+                    None if best.is_none() && tried <= COARSER => AXES
+                        .iter()
+                        .fold(fineness, |all, &axis| finer(all, axis, 1.0 / FINER)),
                     None => return best.ok_or(error),
                 };
                 continue;

@@ -35,7 +35,7 @@ fn the_tables_of_the_sheets_are_baked_again() {
 fn a_picture_needs_one_command() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let sign = argument(&project().join("doc/sign.png"));
+    let sign = argument("doc/sign.png");
     let help = fit(here, &["render", "--help"]).done();
     let names = ["prism-0.1", "prism-0.2", "hollow-0.2", "published"];
     for name in names {
@@ -71,7 +71,7 @@ fn a_picture_needs_one_command() {
 fn what_is_no_sheet_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let table = argument(&project().join("tables/tests/kept/version_1_exact.h5"));
+    let table = argument("tables/tests/kept/version_1_exact.h5");
     let place = ["--distance", "300", "--incidence", "10"];
     let cases: [(&[&str], i32, &str); 5] = [
         (&["--sheet", "prism"], 2, "prism-0.1"),

@@ -6,7 +6,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageFormat, Rgb, RgbImage};
 
 use crate::images::render::{uniform, uniform_psf};
-use crate::images::{Scale, Viewpoint};
+use crate::images::{Scale, UNWATCHED, Viewpoint};
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
 use crate::predict::Fitted;
@@ -49,7 +49,7 @@ pub(crate) fn figures(page: &Page) -> Option<String> {
     };
     let source = source()?;
     let psf = uniform_psf(&sheet, &place, &scale).ok()?;
-    let mut image = uniform(&source, &psf);
+    let mut image = uniform(&source, &psf, UNWATCHED);
     let exposure = source.peak_luminance() / image.peak_luminance();
     if !exposure.is_finite() {
         return None;
