@@ -139,7 +139,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         peak, copied = limits(folder)
         print(f"one core: {peak / 1e9:.1f} G lanes/s, {copied / 1e9:.0f} GB/s in the first cache\n")
-        print("| cell | lanes | other operations | bytes | M rays/s | of the lanes | of the bytes |")
+        heads = "lanes", "other operations", "bytes", "M rays/s", "of the lanes", "of the bytes"
+        print("| cell | " + " | ".join(heads) + " |")
         print("| --- | --- | --- | --- | --- | --- | --- |")
         for name, design, trace in CASES:
             mesh = os.path.join(folder, "cell.obj")

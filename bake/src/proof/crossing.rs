@@ -15,7 +15,7 @@ pub(crate) struct Shared<'a> {
     pub area: f64,
     /// Fixed point of the interpolated map, affine in (s, t), and its error.
     pub from: ([DVec2; 3], f64),
-    /// How far it is from that of the true map, and the error of that.
+    /// Way from the fixed point of the true map to it, and the error of that.
     pub apart: ([DVec2; 3], f64),
 }
 

@@ -19,8 +19,8 @@
 //! their kind, sum d_j^4 w_j v_j = 0 and sum d'_j^4 u_j v_j = 0. So sum d_j^4 v_j^2 = - sum d_j^4
 //! u_j v_j = - sum (d_j^4 - d'_j^4) u_j v_j. By Cauchy and Schwarz, sum d_j^4 v_j^2 is at most
 //! sum (d_j^2 - d'_j^4 / d_j^2)^2 u_j^2, and the mean is off from sum u_j f_j by at most the root
-//! of that times sqrt(sum r_j^2 / d_j^4). This error falls with the size of the patch. (With the fault
-//! T below, w is the least of the weights that give back tau + T, and u is taken there.)
+//! of that times sqrt(sum r_j^2 / d_j^4). This error falls with the size of the patch. (With the
+//! fault T below, w is the least of the weights that give back tau + T, and u is taken there.)
 //!
 //! If all directions lie on one line, the value does not change across it, and the same holds
 //! along it.

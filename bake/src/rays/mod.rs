@@ -29,6 +29,7 @@ mod program;
 mod region;
 mod rough;
 mod scene;
+mod scratch;
 mod sheet;
 mod simd;
 mod swarm;

@@ -354,8 +354,8 @@ mod tests {
             }
             let (incidences, azimuths) = table.axes.shape();
             println!(
-                "{} {index}: {incidences} x {azimuths} directions in {seconds:.1} s, {tolerance} in \
-                 {} parts",
+                "{} {index}: {incidences} x {azimuths} directions in {seconds:.1} s, {tolerance} \
+                 in {} parts",
                 cell.design,
                 bounds.parts.len()
             );

@@ -1,6 +1,7 @@
 //! `fit render`: makes the mid-air image of any picture.
 
 mod facts;
+mod seen;
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -15,13 +16,11 @@ use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
 use crate::cli::progress::Progress;
-use crate::cli::render::facts::{Contrast, Range, Report, Seconds, TileReport, automatic};
+use crate::cli::render::facts::{Contrast, Range, Report, Seconds, automatic};
+use crate::cli::render::seen::{Seen, Way, from_afar, from_camera};
 use crate::cli::sampled::Samples;
 use crate::estimate::Forward;
 use crate::images::render;
-use crate::images::render::psf::Psf;
-use crate::images::render::sampled;
-use crate::images::render::sampled::Spotted;
 use crate::images::render::view::CameraView;
 use crate::images::{Part, Scale, Viewpoint, Watch};
 use crate::names::Family;
@@ -329,6 +328,15 @@ impl Arguments {
         Ok(result)
     }
 
+    /// Returns the place of an image that is seen from afar.
+    fn place(&self, sheet: &Fitted<'_>) -> Viewpoint {
+        Viewpoint {
+            incidence_deg: self.incidence.unwrap_or(0.0),
+            azimuth_deg: (self.azimuth).or(parse::usual_azimuth(sheet.table, sheet.result)),
+            r_mm: self.distance.unwrap_or(f64::NAN),
+        }
+    }
+
     /// Returns the side of a pixel that the options name, mm, for a picture of so many columns.
     fn pitch_mm(&self, columns: usize) -> Option<f64> {
         self.pixel_pitch
@@ -354,9 +362,21 @@ pub(super) fn rendered(
     let pitch = pitch.unwrap_or(result.camera.pixel_pitch_mm);
     let pitch_mm = view.as_ref().map_or(pitch, CameraView::pitch_mm);
     let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
+    let way = Way {
+        forward: arguments.forward,
+        sampling: arguments.samples.sampling(),
+        watch,
+    };
     let seen = match &view {
-        Some(view) => from_camera(source, sheet, view, arguments, watch),
-        None => from_afar(source, sheet, pitch_mm, arguments, watch),
+        Some(view) => from_camera(source, sheet, view, arguments.tolerance, &way),
+        None => {
+            let scale = Scale {
+                pitch_mm,
+                tangential_axis_deg: arguments.tangential_axis,
+                seen_in_mirror: arguments.seen_in_mirror,
+            };
+            from_afar(source, sheet, arguments.place(sheet), &scale, &way)
+        }
     }?;
     let mut warnings = warnings(source, &seen, table);
     let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
@@ -424,111 +444,6 @@ fn encoded(
             path: arguments.output.clone(),
             message,
         })
-}
-
-/// Image and the facts about it.
-struct Seen {
-    image: Picture,
-    /// Places whose blur was computed.
-    spots: Vec<Spotted>,
-    transfer_error: f64,
-    tiles: Option<TileReport>,
-    sampling_error: Option<f64>,
-}
-
-impl Seen {
-    fn by_transforms(image: Picture, places: Vec<Viewpoint>, psfs: &[Psf]) -> Seen {
-        let spotted = |(place, psf): (Viewpoint, &Psf)| Spotted {
-            place,
-            energy: psf.energy,
-            interpolated: psf.interpolated,
-        };
-        Seen {
-            image,
-            spots: places.into_iter().zip(psfs).map(spotted).collect(),
-            transfer_error: psfs.iter().map(|psf| psf.error).fold(0.0, f64::max),
-            tiles: None,
-            sampling_error: None,
-        }
-    }
-
-    fn by_samples(sampled: sampled::Sampled) -> Seen {
-        Seen {
-            image: sampled.image,
-            spots: sampled.seen,
-            transfer_error: 0.0,
-            tiles: None,
-            sampling_error: sampled.standard_error,
-        }
-    }
-}
-
-/// Renders the image with one incidence and distance for all pixels.
-fn from_afar(
-    source: &Picture,
-    sheet: &Fitted<'_>,
-    pitch_mm: f64,
-    arguments: &Arguments,
-    watch: Watch<'_>,
-) -> Result<Seen, render::Error> {
-    let place = Viewpoint {
-        incidence_deg: arguments.incidence.unwrap_or(0.0),
-        azimuth_deg: (arguments.azimuth).or(parse::usual_azimuth(sheet.table, sheet.result)),
-        r_mm: arguments.distance.unwrap_or(f64::NAN),
-    };
-    let scale = Scale {
-        pitch_mm,
-        tangential_axis_deg: arguments.tangential_axis,
-        seen_in_mirror: arguments.seen_in_mirror,
-    };
-    Ok(match arguments.forward {
-        Forward::Spectral => {
-            let psf = render::uniform_psf(sheet, &place, &scale)?;
-            let image = render::uniform(source, &psf, watch);
-            Seen::by_transforms(image, vec![place], &[psf])
-        }
-        Forward::Render => {
-            let sampling = arguments.samples.sampling();
-            let found = sampled::uniform(source, sheet, &place, &scale, sampling, watch)?;
-            Seen::by_samples(found)
-        }
-    })
-}
-
-/// Renders the image as a camera sees it: each pixel at its own incidence, azimuth and distance.
-fn from_camera(
-    source: &Picture,
-    sheet: &Fitted<'_>,
-    view: &CameraView,
-    arguments: &Arguments,
-    watch: Watch<'_>,
-) -> Result<Seen, render::Error> {
-    let half_mirror = sheet.result.half_mirror;
-    Ok(match arguments.forward {
-        Forward::Spectral => {
-            let tolerance = arguments.tolerance;
-            let (image, tiles) =
-                render::viewed(source, sheet, view, half_mirror, tolerance, watch)?;
-            let [width, height] = [source.width, source.height].map(|n| n as f64);
-            let places = tiles.corner_places().map(|[x, y]| {
-                let seen = view.at([x - 0.5 * (width - 1.0), y - 0.5 * (height - 1.0)]);
-                seen.map(|seen| seen.place)
-            });
-            let places = places.collect::<Result<_, _>>()?;
-            Seen {
-                tiles: Some(TileReport {
-                    counts: tiles.counts(),
-                    error: tiles.error,
-                }),
-                ..Seen::by_transforms(image, places, tiles.corners())
-            }
-        }
-        Forward::Render => {
-            let sampling = arguments.samples.sampling();
-            let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling, watch)?;
-            Seen::by_samples(sampled)
-        }
-    })
 }
 
 /// Returns the least and the greatest value over all items.

@@ -320,7 +320,7 @@ mod tests {
         assert_eq!(cases, 16);
     }
 
-    /// Where values change little, differences are small and not negative numbers.
+    /// Differences of values on a plane are 0.
     #[test]
     fn differences_of_a_plane_are_small() {
         let values: Vec<i16> = (0..60).map(|k| 100 * (k / 10) - 7 * (k % 10) + 3).collect();

@@ -42,9 +42,9 @@ enum Blur {
 pub(crate) struct Nominal {
     /// Name that the command line takes.
     pub name: &'static str,
-    /// What the sheet is, and where its numbers come from.
+    /// Description of the sheet, with the source of its size.
     pub about: &'static str,
-    /// What is assumed.
+    /// Assumptions about it.
     pub assumed: &'static str,
     cell: Cell,
     c_mm: f64,

@@ -341,7 +341,7 @@ pub(crate) fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, u
     // Light of one path hardly turns against the errors of its facets. So exit directions tell
     // paths apart whose polygons are alike, as those of one cube with errors are at its limit.
     let lengths = seen.iter().flatten().map(|s| distance(s.astray, [0.0; 2]));
-    let most_astray = lengths.fold(LEAST_ASTRAY, f64::max);
+    let most_astray = lengths.fold(0.0, f64::max);
     let mut families: Vec<Vec<(usize, usize)>> = Vec::new();
     for index in order {
         let mut costs = Vec::new();
@@ -358,8 +358,13 @@ pub(crate) fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, u
             for (path, shape) in seen[index].iter().enumerate() {
                 let known = &seen[like][first];
                 let unlike = shape.unlike(known);
-                let about = shape.about() - known.about();
-                let turned = distance(shape.astray, known.astray).hypot(about) / most_astray;
+                // Ideal cells have rounding errors only, which must not break ties.
+                let turned = if most_astray > LEAST_ASTRAY {
+                    let about = shape.about() - known.about();
+                    distance(shape.astray, known.astray).hypot(about) / most_astray
+                } else {
+                    0.0
+                };
                 let turns = turned <= TURN * apart(like) + SHORT;
                 if unlike <= most && turns && shape.passes == known.passes {
                     costs.push((unlike + FASTEST * turned, which, path));

@@ -1,0 +1,123 @@
+//! The image of a picture as `fit render` makes it, from afar or as a camera sees it.
+
+use crate::cli::render::facts::TileReport;
+use crate::estimate::Forward;
+use crate::images::render;
+use crate::images::render::psf::Psf;
+use crate::images::render::sampled;
+use crate::images::render::sampled::Spotted;
+use crate::images::render::view::CameraView;
+use crate::images::{Scale, Viewpoint, Watch};
+use crate::photographs::photo::picture::Picture;
+use crate::predict::Fitted;
+use crate::samples::Sampling;
+
+/// Way in which an image is made.
+pub(super) struct Way<'a> {
+    /// Transforms or samples.
+    pub forward: Forward,
+    /// Samples of the blur, for a render by samples.
+    pub sampling: Sampling,
+    /// Callback for the progress.
+    pub watch: Watch<'a>,
+}
+
+/// Image and the facts about it.
+pub(super) struct Seen {
+    /// The image.
+    pub image: Picture,
+    /// Places whose blur was computed.
+    pub spots: Vec<Spotted>,
+    /// Largest error of the contrast of single pixels, because of a blur finer than they are.
+    pub transfer_error: f64,
+    /// Tiles of a view.
+    pub tiles: Option<TileReport>,
+    /// Standard error of a pixel of a render by samples.
+    pub sampling_error: Option<f64>,
+}
+
+impl Seen {
+    fn by_transforms(image: Picture, places: Vec<Viewpoint>, psfs: &[Psf]) -> Seen {
+        let spotted = |(place, psf): (Viewpoint, &Psf)| Spotted {
+            place,
+            energy: psf.energy,
+            interpolated: psf.interpolated,
+        };
+        Seen {
+            image,
+            spots: places.into_iter().zip(psfs).map(spotted).collect(),
+            transfer_error: psfs.iter().map(|psf| psf.error).fold(0.0, f64::max),
+            tiles: None,
+            sampling_error: None,
+        }
+    }
+
+    fn by_samples(sampled: sampled::Sampled) -> Seen {
+        Seen {
+            image: sampled.image,
+            spots: sampled.seen,
+            transfer_error: 0.0,
+            tiles: None,
+            sampling_error: sampled.standard_error,
+        }
+    }
+}
+
+/// Renders the image with one incidence and distance for all pixels.
+pub(super) fn from_afar(
+    source: &Picture,
+    sheet: &Fitted<'_>,
+    place: Viewpoint,
+    scale: &Scale,
+    way: &Way<'_>,
+) -> Result<Seen, render::Error> {
+    Ok(match way.forward {
+        Forward::Spectral => {
+            let psf = render::uniform_psf(sheet, &place, scale)?;
+            let image = render::uniform(source, &psf, way.watch);
+            Seen::by_transforms(image, vec![place], &[psf])
+        }
+        Forward::Render => {
+            let (sampling, watch) = (way.sampling, way.watch);
+            let found = sampled::uniform(source, sheet, &place, scale, sampling, watch)?;
+            Seen::by_samples(found)
+        }
+    })
+}
+
+/// Renders the image as a camera sees it: each pixel at its own incidence, azimuth and distance.
+///
+/// `tolerance` is the largest error between tiles, as a share of the brightest pixel.
+pub(super) fn from_camera(
+    source: &Picture,
+    sheet: &Fitted<'_>,
+    view: &CameraView,
+    tolerance: f64,
+    way: &Way<'_>,
+) -> Result<Seen, render::Error> {
+    let (half_mirror, watch) = (sheet.result.half_mirror, way.watch);
+    Ok(match way.forward {
+        Forward::Spectral => {
+            let (image, tiles) =
+                render::viewed(source, sheet, view, half_mirror, tolerance, watch)?;
+            let [width, height] = [source.width, source.height].map(|n| n as f64);
+            let places = tiles.corner_places().map(|[x, y]| {
+                let seen = view.at([x - 0.5 * (width - 1.0), y - 0.5 * (height - 1.0)]);
+                seen.map(|seen| seen.place)
+            });
+            let places = places.collect::<Result<_, _>>()?;
+            Seen {
+                tiles: Some(TileReport {
+                    counts: tiles.counts(),
+                    error: tiles.error,
+                }),
+                ..Seen::by_transforms(image, places, tiles.corners())
+            }
+        }
+        Forward::Render => {
+            let sampling = way.sampling;
+            let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling, watch)?;
+            Seen::by_samples(sampled)
+        }
+    })
+}
