@@ -13,7 +13,7 @@ use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
 use crate::cli::progress::Progress;
-use crate::explore::{self, Explorer, Source, Span};
+use crate::explore::{self, Explorer, Source, Span, Start};
 use crate::photographs::photo;
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
@@ -39,7 +39,8 @@ Examples:
       --farthest 10000 -o explore.html --json
 
 Without a fit, name a sheet, or give the numbers of a sheet by hand:
-  fit explore --sheet prism-0.1 -o prisms.html
+  fit explore --sheet prism-0.1 --distance 1500 --incidence 20 --width 300 \\
+      -o prisms.html
   fit explore --c 0.15 --wavelength-nm 550 --mu 0.5 --table pair.h5 \\
       -o explore.html
 
@@ -83,6 +84,36 @@ pub(crate) struct Arguments {
         help_heading = "Page"
     )]
     pub transfer: Option<Transfer>,
+    /// Floating distance that the page shows first, mm.
+    #[arg(
+        long,
+        visible_alias = "floating-distance",
+        value_name = "MM",
+        value_parser = parse::positive,
+        help_heading = "Page"
+    )]
+    pub distance: Option<f64>,
+    /// Incidence that the page shows first, degrees.
+    #[arg(long, value_name = "DEG", value_parser = parse::incidence, help_heading = "Page")]
+    pub incidence: Option<f64>,
+    /// Azimuth that the page shows first, degrees.
+    #[arg(
+        long,
+        value_name = "DEG",
+        value_parser = parse::turn,
+        allow_negative_numbers = true,
+        help_heading = "Page"
+    )]
+    pub azimuth: Option<f64>,
+    /// Width of the picture that the page shows first, mm.
+    #[arg(
+        long,
+        value_name = "MM",
+        value_parser = parse::positive,
+        allow_negative_numbers = true,
+        help_heading = "Page"
+    )]
+    pub width: Option<f64>,
     /// Shortest floating distance of the slider, mm; half the shortest that was photographed.
     ///
     /// Without photographs it is 100 mm.
@@ -149,6 +180,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
     let output = outputs.reserve(&arguments.output)?;
     let table = (arguments.by_hand).table("fit explore", arguments.table.as_deref())?;
+    let all = &table.axes.incidence_deg;
+    let (least, most) = (all[0], all[all.len() - 1]);
+    if let Some(asked) = (arguments.incidence).filter(|asked| !(least..=most).contains(asked)) {
+        let message = format!(
+            "the table covers incidence {least} to {most} degrees, and not --incidence {asked}"
+        );
+        return Err(Failure::conflict("fit explore", message));
+    }
     let (result, title) = match &arguments.result {
         Some(file) => (
             read_channel(file, arguments.channel.as_deref())?,
@@ -176,6 +215,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let explorer = Explorer {
         sheet,
         span: arguments.span(&result)?,
+        start: Start {
+            distance: arguments.distance,
+            incidence: arguments.incidence,
+            azimuth: arguments.azimuth.map(|azimuth| azimuth.rem_euclid(360.0)),
+            width: arguments.width,
+        },
         title,
         source,
     };
@@ -225,6 +270,10 @@ impl Arguments {
         let [near, far] = match photographed {
             Some([near, far]) => [0.5 * near, FARTHEST_MM.max(2.0 * far)],
             None => [NEAREST_MM, FARTHEST_MM],
+        };
+        let [near, far] = match self.distance {
+            Some(distance) => [near.min(distance), far.max(distance)],
+            None => [near, far],
         };
         let distance_mm = [self.nearest.unwrap_or(near), self.farthest.unwrap_or(far)];
         if distance_mm[0] >= distance_mm[1] {

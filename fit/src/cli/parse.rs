@@ -65,7 +65,8 @@ pub(crate) fn positives(text: &str) -> Result<Vec<f64>, String> {
 fn within(text: &str, bounds: Bounds) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && (bounds.holds)(value) => Ok(value),
-        _ => Err(format!("must be {}", bounds.words)),
+        Ok(_) => Err(format!("must be {}", bounds.words)),
+        Err(_) => Err(format!("must be a number without a unit, {}", bounds.words)),
     }
 }
 

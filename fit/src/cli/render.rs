@@ -171,6 +171,7 @@ pub(crate) struct Arguments {
         long,
         value_name = "MM",
         value_parser = parse::positive,
+        allow_negative_numbers = true,
         conflicts_with = "pixel_pitch",
         help_heading = "Picture"
     )]
@@ -215,7 +216,8 @@ pub(crate) struct Arguments {
     pub exposure: f64,
     /// Makes the brightest pixel of the result as bright as that of the source.
     ///
-    /// The factor is printed. Ambient light is made brighter with it.
+    /// It is a little darker if a single colour would be brighter than any of the source. The
+    /// factor is printed. Ambient light is made brighter with it.
     #[arg(long, conflicts_with = "exposure", help_heading = "Picture")]
     pub auto_exposure: bool,
     /// Puts the source beside the image, on the left.
@@ -454,6 +456,9 @@ fn range<T>(all: &[T], value: impl Fn(&T) -> f64) -> Range {
     })
 }
 
+/// Distance below which a mid-air image is not seen apart from its sheet, mm.
+const NEAR_MM: f64 = 10.0;
+
 fn warnings(source: &Picture, seen: &Seen, table: &Table) -> Vec<String> {
     let mut warnings = source.warnings.clone();
     let spots = &seen.spots;
@@ -463,6 +468,15 @@ fn warnings(source: &Picture, seen: &Seen, table: &Table) -> Vec<String> {
     } else {
         format!("{low:.2} to {high:.2} deg")
     };
+    if source.peak() <= 0.0 {
+        warnings.push("the source has no light: all of its pixels are black".into());
+    }
+    let [nearest, _] = range(spots, |spot| spot.place.r_mm);
+    if nearest < NEAR_MM {
+        warnings.push(format!(
+            "the image floats {nearest} mm from the sheet; distances are in mm"
+        ));
+    }
     if spots.iter().any(|spot| spot.energy.is_none()) {
         warnings.push(
             "the result has no mu (no reference photograph, or --mu left out): the image has the \

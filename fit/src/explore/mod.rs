@@ -19,7 +19,7 @@ mod unit;
 pub(crate) use grid::Error;
 #[cfg(test)]
 pub(crate) use mixed::misfit_of;
-pub(crate) use page::{Explorer, Source, page};
+pub(crate) use page::{Explorer, Source, Start, page};
 pub(crate) use search::WANTED;
 #[cfg(test)]
 pub(crate) use search::grid;

@@ -42,12 +42,27 @@ pub(crate) struct Source {
     pub png: Vec<u8>,
 }
 
+/// Settings that the page shows first; those that are `None` are chosen by the page.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(crate) struct Start {
+    /// Floating distance, mm.
+    pub distance: Option<f64>,
+    /// Incidence, degrees.
+    pub incidence: Option<f64>,
+    /// Azimuth, degrees.
+    pub azimuth: Option<f64>,
+    /// Width of the picture, mm.
+    pub width: Option<f64>,
+}
+
 /// Contents of a page.
 pub(crate) struct Explorer<'a> {
     /// Result and table.
     pub sheet: Fitted<'a>,
     /// Ranges of the sliders.
     pub span: Span,
+    /// Settings that are shown first.
+    pub start: Start,
     /// Name of the result, for the title.
     pub title: String,
     /// Picture of the user; `None` if the page shows its own only.
@@ -126,6 +141,7 @@ struct Data<'a> {
     parameters: Values,
     covariance: &'a [Vec<Option<f64>>],
     span: Span,
+    start: Start,
     domain: Option<&'a Domain>,
     places: usize,
     misfit: [f64; 2],
@@ -236,6 +252,7 @@ fn data<'a>(explorer: &'a Explorer<'_>, grid: &'a Grid, misfit: Misfit, places: 
         },
         covariance: &result.covariance.matrix,
         span: explorer.span,
+        start: explorer.start,
         domain: result.domain.as_ref(),
         places,
         misfit: [misfit.pixel, misfit.peak],

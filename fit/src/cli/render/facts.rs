@@ -55,7 +55,7 @@ impl Report {
         format!(
             "{width:.1} x {height:.1} mm, {} mm from the sheet, incidence {} deg\n\
             luminance / source: {light}; exposure {:.4}\n",
-            span(self.distance_mm, 0),
+            span(self.distance_mm, 1),
             span(self.incidence_deg, 1),
             self.exposure
         )
@@ -65,7 +65,10 @@ impl Report {
 /// Returns the exposure that makes the brightest pixel of an image as bright as that of its source;
 /// 1 if the image is black.
 pub(super) fn automatic(source: &Picture, image: &Picture, ambient: f64) -> f64 {
-    let exposure = source.peak_luminance() / (image.peak_luminance() + ambient);
+    let alike = source.peak_luminance() / (image.peak_luminance() + ambient);
+    // Blur mixes colours: a colour may then be brighter than any of the source, and be clipped.
+    let unclipped = source.peak() / (image.peak() + ambient);
+    let exposure = alike.min(unclipped);
     if exposure.is_finite() && exposure > 0.0 {
         exposure
     } else {

@@ -36,7 +36,8 @@ function sliders() {
     all.push(["spread", NAMES_OF[data.spread_name], "x fit", ...factor]);
   }
   if (parameters.mu.length) all.push(["mu", "Reflectance mu", "x fit", ...factor]);
-  return all.map(([key, label, unit, low, high, value, log, range]) => {
+  return all.map(([key, label, unit, low, high, usual, log, range]) => {
+    const value = Math.max(low, Math.min(high, data.start[key] ?? usual));
     return { key, label, unit, low, high, value, log, range };
   });
 }
@@ -202,7 +203,10 @@ function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
     const share = shown(100 * data.misfit[0]);
     remarks.push(`A pixel of this page can err by ${share} % of the brightest.`);
   }
-  if (data.by_hand) remarks.push("No photograph stands behind these numbers.");
+  if (data.by_hand) {
+    remarks.push("This sheet was not photographed. Real sheets are dimmer and less sharp than " +
+      "ideal ones.");
+  }
   list($("remarks"), remarks);
   $("aerial").setAttribute("aria-label", `Mid-air image, ${facts["fact-size"]}, ` +
     `${shown(own.distance)} mm from the sheet, incidence ${shown(own.incidence)} degrees`);
@@ -365,12 +369,15 @@ async function begin() {
     refresh(true);
   });
   addEventListener("resize", () => refresh(true));
-  $("design").textContent = data.design;
-  document.title = `${data.design}: mid-air image`;
+  const [name, about] = data.by_hand ? [data.title, data.design] : [data.design, data.title];
+  $("design").textContent = name;
+  document.title = `${name}: mid-air image`;
+  for (const part of document.querySelectorAll(".fitted")) part.hidden = data.by_hand;
   const model = `kernel ${data.kernel}${data.lobe ? `, lobe ${data.lobe}` : ""}`;
   const verdict = data.verdict ? `The fit is ${data.verdict}. ` : "";
-  $("about").textContent = `${data.title}: ${model}. ${verdict}${data.warnings.length ? `It has ` +
-    `${data.warnings.length} warning${data.warnings.length > 1 ? "s" : ""}, below.` : ""}`;
+  const warned = data.warnings.length;
+  $("about").textContent = `${about}: ${model}. ${verdict}${warned ? `Read the ${warned} ` +
+    `warning${warned > 1 ? "s" : ""} below.` : ""}`;
   list($("warnings"), data.warnings);
   $("warned").hidden = data.warnings.length === 0;
   const percent = (share) => `${shown(100 * share)} %`;

@@ -83,6 +83,12 @@ impl Picture {
         f64::from(pixels.map(|i| self.luminance(i)).fold(0.0, f32::max))
     }
 
+    /// Returns the largest value of all planes, or 0 if none is above it.
+    pub fn peak(&self) -> f64 {
+        let values = self.planes.iter().flatten();
+        f64::from(values.copied().fold(0.0, f32::max))
+    }
+
     /// Adds ambient light to every pixel, then multiplies all pixels by the exposure.
     pub fn expose(&mut self, ambient: f64, exposure: f64) {
         let (ambient, exposure) = (ambient as f32, exposure as f32);

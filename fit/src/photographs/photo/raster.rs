@@ -59,14 +59,14 @@ pub(crate) fn read_colour(
     let Decoded {
         picture,
         curves,
-        warnings,
+        mut warnings,
     } = decode(path, reader, format, transfer)?;
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let colour = picture.color();
     // The number of stored channels includes alpha; the number of used ones does not.
     let stored = usize::from(colour.channel_count());
     let used = if colour.has_color() { 3 } else { 1 };
-    let planes = match &picture {
+    let mut planes = match &picture {
         DynamicImage::ImageLuma8(p) => split8(p, stored, used, &curves),
         DynamicImage::ImageLumaA8(p) => split8(p, stored, used, &curves),
         DynamicImage::ImageRgb8(p) => split8(p, stored, used, &curves),
@@ -79,6 +79,9 @@ pub(crate) fn read_colour(
             curves.of(channel).light(value)
         }),
     };
+    if colour.has_alpha() && darkened(&mut planes, &picture) {
+        warnings.push("transparent parts give no light: they count as black".into());
+    }
     Ok(Picture {
         width,
         height,
@@ -90,6 +93,22 @@ pub(crate) fn read_colour(
         },
         warnings,
     })
+}
+
+/// Multiplies light by the alpha of its pixel, and returns whether any pixel is transparent.
+fn darkened(planes: &mut [Vec<f32>], picture: &DynamicImage) -> bool {
+    let alpha: Vec<f32> = picture
+        .to_rgba32f()
+        .pixels()
+        .map(|pixel| pixel.0[3])
+        .collect();
+    for (light, alpha) in planes
+        .iter_mut()
+        .flat_map(|plane| plane.iter_mut().zip(&alpha))
+    {
+        *light *= alpha;
+    }
+    alpha.iter().any(|&alpha| alpha < 1.0)
 }
 
 /// Returns the number of bits of a channel.
