@@ -33,7 +33,13 @@ pub(crate) struct Numbers {
     /// Kernel of these numbers: wave, eq1 or angular.
     ///
     /// It follows from the numbers. If it is named, it must be the one that follows.
-    #[arg(long, value_name = "KERNEL", value_parser = kernel, requires = "c")]
+    #[arg(
+        long,
+        value_name = "KERNEL",
+        value_parser = kernel,
+        requires = "c",
+        conflicts_with = "sheet"
+    )]
     pub kernel: Option<Kernel>,
     /// Wavelengths of the source, nm, with weights; diffraction follows from them and from c.
     ///
@@ -43,7 +49,7 @@ pub(crate) struct Numbers {
         value_name = "NM[:WEIGHT],...",
         value_parser = Spectrum::parse,
         requires = "c",
-        conflicts_with_all = ["a", "a_times_r"]
+        conflicts_with_all = ["a", "a_times_r", "sheet"]
     )]
     pub wavelength_nm: Option<Spectrum>,
     /// Diffraction spread a, 1/mm, the same at every distance.
@@ -53,7 +59,7 @@ pub(crate) struct Numbers {
         value_parser = parse::positive,
         allow_negative_numbers = true,
         requires = "c",
-        conflicts_with = "a_times_r"
+        conflicts_with_all = ["a_times_r", "sheet"]
     )]
     pub a: Option<f64>,
     /// Diffraction spread A = a R of a lobe of fixed angle.
@@ -62,7 +68,8 @@ pub(crate) struct Numbers {
         value_name = "A",
         value_parser = parse::positive,
         allow_negative_numbers = true,
-        requires = "c"
+        requires = "c",
+        conflicts_with = "sheet"
     )]
     pub a_times_r: Option<f64>,
     /// Reflectance mu of the sheet.

@@ -31,9 +31,9 @@ pub(crate) enum Error {
     /// Light that is spread so far that its transform fits into no page.
     #[error(
         "the page would need {megabytes:.0} MB, because light leaves up to {reach:.0} edge lengths \
-        from its place; give a shorter range than {} to {} mm by --nearest and --farthest",
-        distance_mm[0],
-        distance_mm[1]
+        from its place; give a shorter --farthest than {} mm, or a longer --nearest than {} mm",
+        distance_mm[1],
+        distance_mm[0]
     )]
     Large {
         /// Size of the numbers in the page, MB.

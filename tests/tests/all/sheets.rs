@@ -83,10 +83,10 @@ fn what_is_no_sheet_is_refused() {
         (
             &["--sheet", "prism-0.1", "--wavelength-nm", "500"],
             2,
-            "--c",
+            "cannot be used with",
         ),
         (&["--mu", "0.5"], 2, "required"),
-        (&["--sheet", "prism-0.1", "--table", &table], 1, "cell"),
+        (&["--sheet", "hollow-0.2", "--table", &table], 1, "cell"),
     ];
     for (words, code, text) in cases {
         let all: Vec<&str> = [&["predict"], words, &place].concat();
