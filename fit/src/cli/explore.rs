@@ -4,8 +4,8 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use tables::Outputs;
 use tables::cli as terminal;
+use tables::{Outputs, Table};
 
 use crate::cli::by_hand::Numbers;
 use crate::cli::estimate::read_channel;
@@ -180,14 +180,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
     let output = outputs.reserve(&arguments.output)?;
     let table = (arguments.by_hand).table("fit explore", arguments.table.as_deref())?;
-    let all = &table.axes.incidence_deg;
-    let (least, most) = (all[0], all[all.len() - 1]);
-    if let Some(asked) = (arguments.incidence).filter(|asked| !(least..=most).contains(asked)) {
-        let message = format!(
-            "the table covers incidence {least} to {most} degrees, and not --incidence {asked}"
-        );
-        return Err(Failure::conflict("fit explore", message));
-    }
+    let start = arguments.start(&table)?;
     let (result, title) = match &arguments.result {
         Some(file) => (
             read_channel(file, arguments.channel.as_deref())?,
@@ -215,12 +208,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let explorer = Explorer {
         sheet,
         span: arguments.span(&result)?,
-        start: Start {
-            distance: arguments.distance,
-            incidence: arguments.incidence,
-            azimuth: arguments.azimuth.map(|azimuth| azimuth.rem_euclid(360.0)),
-            width: arguments.width,
-        },
+        start,
         title,
         source,
     };
@@ -261,6 +249,27 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
+    /// Returns the settings that the page shows first.
+    ///
+    /// # Errors
+    /// Returns [`Failure::Usage`] if the table does not cover the incidence.
+    fn start(&self, table: &Table) -> Result<Start, Failure> {
+        let all = &table.axes.incidence_deg;
+        let (least, most) = (all[0], all[all.len() - 1]);
+        if let Some(asked) = (self.incidence).filter(|asked| !(least..=most).contains(asked)) {
+            let message = format!(
+                "the table covers incidence {least} to {most} degrees, and not --incidence {asked}"
+            );
+            return Err(Failure::conflict("fit explore", message));
+        }
+        Ok(Start {
+            distance: self.distance,
+            incidence: self.incidence,
+            azimuth: self.azimuth.map(|azimuth| azimuth.rem_euclid(360.0)),
+            width: self.width,
+        })
+    }
+
     /// Returns the ranges of the sliders.
     ///
     /// # Errors
