@@ -135,7 +135,7 @@ def main():
     parser.add_argument("--bake", default="bake", help="program to measure")
     parser.add_argument("--rounds", type=int, default=5, help="rounds of each time")
     args = parser.parse_args()
-    few, some, many = 1 << 18, 5 << 18, 1 << 25
+    few, some, many = 1 << 17, 5 << 17, 1 << 25
     with tempfile.TemporaryDirectory() as folder:
         peak, copied = limits(folder)
         print(f"one core: {peak / 1e9:.1f} G lanes/s, {copied / 1e9:.0f} GB/s in the first cache\n")
