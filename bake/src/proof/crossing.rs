@@ -22,8 +22,8 @@ pub(crate) struct Shared<'a> {
 /// Returns a bound of the area of the points whose two shifts lie in different bins.
 ///
 /// Let M (x - q) be the true shift, N (x - q') the interpolated one. They differ by
-/// d = (M - N) (x - q') + M (q' - q). Each coordinate of d is enclosed, along the incidence and across it, for
-/// bins have these axes. If it lies between -a and b, a and b >= 0, it crosses a border of bins
+/// d = (M - N) (x - q') + M (q' - q). Each coordinate of d is enclosed, along the incidence and
+/// across it, for bins have these axes. If it lies between -a and b, a and b >= 0, it crosses a border of bins
 /// only if the true shift is between a before the border and b behind it. The points of such a
 /// shift form strips across the row r of M. In a direction the points form a convex polygon of area
 /// A, whose chord across r has one maximum, c. So chords at distances of a bin, w, sum to at most
