@@ -24,11 +24,11 @@ pub(crate) struct Shared<'a> {
 /// Let M (x - q) be the true shift, N (x - q') the interpolated one. They differ by
 /// d = (M - N) (x - q') + M (q' - q). Each coordinate of d is enclosed, along the incidence and
 /// across it, for bins have these axes. If it lies between -a and b, a and b >= 0, it crosses a
-/// border of bins only if the true shift is between a before the border and b behind it. The points of such a
-/// shift form strips across the row r of M. In a direction the points form a convex polygon of area
-/// A, whose chord across r has one maximum, c. So chords at distances of a bin, w, sum to at most
-/// the integral over the shift by w, A |r| / w, and c. The integral over a strip is that over a + b
-/// of such sums: the strips have at most the area (a + b) (A / w + c / |r|).
+/// border of bins only if the true shift is between a before the border and b behind it. The points
+/// of such a shift form strips across the row r of M. In a direction the points form a convex
+/// polygon of area A, whose chord across r has one maximum, c. So chords at distances of a bin, w,
+/// sum to at most the integral over the shift by w, A |r| / w, and c. The integral over a strip is
+/// that over a + b of such sums: the strips have at most the area (a + b) (A / w + c / |r|).
 pub(crate) fn crossing(
     truth: &Returned,
     guess: &Enclosed<7>,
