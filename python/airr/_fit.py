@@ -180,7 +180,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Report:
-    """Page of an estimate. A notebook shows it; `save` writes it for a browser.
+    """Page of an estimate, or page with sliders. A notebook shows it; `save` writes it to a file.
 
     Attributes
     ----------
@@ -198,7 +198,7 @@ class Report:
     def _repr_html_(self) -> str:
         # A frame of its own, so that the styles of page and notebook do not mix.
         return (
-            f'<iframe srcdoc="{html.escape(self.html)}" title="estimate of a sheet" '
+            f'<iframe srcdoc="{html.escape(self.html)}" title="page of a sheet" '
             'style="width: 100%; height: 600px; border: 0"></iframe>'
         )
 
@@ -513,6 +513,59 @@ class Result:
         if np.ndim(picture) == 2:
             return made[0]
         return np.stack(made, axis=-1)
+
+    def explore(
+        self,
+        picture: Picture | None = None,
+        *,
+        distance: float | None = None,
+        incidence: float | None = None,
+        azimuth: float | None = None,
+        width: float | None = None,
+        nearest: float | None = None,
+        farthest: float | None = None,
+        transfer: str | None = None,
+        threads: int | None = None,
+        table: Table | None = None,
+    ) -> Report:
+        """Make a page with sliders that shows the mid-air image at once, as ``fit explore`` does.
+
+        Parameters
+        ----------
+        picture : array, shape (rows, columns) or (rows, columns, 3), optional
+            Picture that the page shows first, linear light (or sRGB, with ``transfer="srgb"``).
+        distance, incidence, azimuth, width : float, optional
+            What the page shows first (mm, degrees, degrees, mm).
+        nearest, farthest : float, optional
+            Ends of the slider of distances, mm.
+
+        Returns
+        -------
+        Report
+            The page. A notebook shows it; ``save`` writes it for a browser.
+        """
+        options: dict[str, Any] = dict(
+            distance=distance,
+            incidence=incidence,
+            azimuth=azimuth,
+            width=width,
+            nearest=nearest,
+            farthest=farthest,
+            transfer=transfer,
+            threads=threads,
+        )
+        named = dict(table="table", output="explore.html")
+        if picture is not None:
+            named["source"] = "picture"
+        with refusals():
+            page, facts = _airr.explore(
+                words("result", **named, **options),
+                self._result,
+                (table or self._table)._table,
+                None if picture is None else planes(picture, "picture"),
+            )
+        warn(json.loads(facts)["warnings"])
+        return Report(page)
 
     def __repr__(self) -> str:
         return f"<airr.Result: {self._said()}, {self.verdict}>"

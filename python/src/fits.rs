@@ -155,6 +155,20 @@ pub(crate) fn render<'py>(
     ))
 }
 
+/// Makes a page with sliders; returns it, and the facts about it as JSON.
+#[pyfunction]
+pub(crate) fn explore(
+    py: Python<'_>,
+    words: Words,
+    result: PyRef<'_, Result>,
+    table: PyRef<'_, Table>,
+    picture: Option<Given<'_>>,
+) -> PyResult<(String, String)> {
+    let source = picture.map(held).transpose()?;
+    let (result, table) = (&result.result, Arc::clone(&table.table));
+    run(py, None, |_| calls::explore(&words, result, &table, source))
+}
+
 /// Writes a synthetic campaign; returns JSON.
 #[pyfunction]
 pub(crate) fn simulate(py: Python<'_>, words: Words) -> PyResult<String> {

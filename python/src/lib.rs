@@ -45,8 +45,8 @@ mod _airr {
     use super::Refusal;
     #[pymodule_export]
     use super::fits::{
-        Result, estimate, measure, predict, read_picture, read_result, render, sheet, simulate,
-        study, table_of_sheet,
+        Result, estimate, explore, measure, predict, read_picture, read_result, render, sheet,
+        simulate, study, table_of_sheet,
     };
     #[pymodule_export]
     use super::mesh::{Mesh, design};

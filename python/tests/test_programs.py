@@ -61,6 +61,14 @@ class Bytes(Case):
         np.testing.assert_array_equal(a.histogram, b.histogram)
 
 
+def page_data(page: str) -> dict[str, Any]:
+    """Return what a page with sliders holds."""
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.S)
+    assert found
+    data: dict[str, Any] = json.loads(found[1])
+    return data
+
+
 class Numbers(Case):
     def setUp(self) -> None:
         super().setUp()
@@ -163,6 +171,32 @@ class Numbers(Case):
         made = quiet(result.render, grey, 150, 0)
         self.assertEqual(made.shape, grey.shape)
         self.tell(cases, "images")
+
+    def test_pages_with_sliders(self) -> None:
+        result = quiet(airr.estimate, CAMPAIGN, self.table)
+        result.to_json(self.folder / "result.json")
+        sign, cases = ROOT / "doc" / "sign.png", 0
+        options = {"distance": 400, "incidence": 12, "farthest": 900}
+        for source in (None, sign):
+            page = self.folder / "explore.html"
+            run(
+                "fit", "explore", self.folder / "result.json", "--table", self.folder / "pair.h5",
+                "-o", page, *flags(options), *([] if source is None else ["--source", source]),
+            )  # fmt: skip
+            picture = None if source is None else quiet(airr.picture, source)
+            made = quiet(result.explore, picture, **options)
+            told, own = (page_data(text) for text in (page.read_text(), made.html))
+            # A result in memory has no file name, and neither has a picture.
+            for data in (told, own):
+                data.pop("title")
+                if data["source"]:
+                    data["source"].pop(0)
+            self.assertEqual(own, told)
+            self.assertEqual(bool(own["source"]), source is not None)
+            cases += 1
+        with self.assertRaisesRegex(airr.Error, "incidence"):
+            result.explore(incidence=80)
+        self.tell(cases, "pages")
 
     def test_sheets_without_a_fit(self) -> None:
         picture = np.zeros((40, 60), np.float32)

@@ -38,6 +38,7 @@ class Signatures(Case):
             # those of the result, and --floating-distance is another name of --distance.
             (airr.Result.predict, "fit", "predict", OF_PREDICT | OF_A_SHEET),
             (airr.Result.render, "fit", "render", OF_PREDICT | OF_A_SHEET | {"beside"}),
+            (airr.Result.explore, "fit", "explore", OF_PREDICT | OF_A_SHEET),
         ]
         compared = 0
         sheet = set(inspect.signature(airr.sheet).parameters)

@@ -3,10 +3,13 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::SystemTime;
+use std::time::{Instant, SystemTime};
 
 /// Name of the program that opens tables for the two.
 const READER: &str = "airr-reader";
+
+/// Seconds after which a test says how long a program ran.
+const SLOW_SECONDS: f64 = 5.0;
 
 /// Exit code and output of a program that has ended.
 #[derive(Debug)]
@@ -66,6 +69,8 @@ pub fn run_by<S: AsRef<str>>(
         .copied()
         .chain([program.as_os_str()])
         .collect();
+    let line = format!("{name} {}", arguments.join(" "));
+    let start = Instant::now();
     let output = Command::new(words[0])
         .args(&words[1..])
         .current_dir(folder)
@@ -73,8 +78,12 @@ pub fn run_by<S: AsRef<str>>(
         .env_remove("RUST_BACKTRACE")
         .output()
         .unwrap_or_else(|error| panic!("{name} does not start: {error}"));
+    let seconds = start.elapsed().as_secs_f64();
+    if seconds > SLOW_SECONDS {
+        println!("{seconds:.1} s: {line}");
+    }
     Run {
-        line: format!("{name} {}", arguments.join(" ")),
+        line,
         code: output.status.code(),
         out: String::from_utf8_lossy(&output.stdout).into_owned(),
         err: String::from_utf8_lossy(&output.stderr).into_owned(),

@@ -7,7 +7,7 @@ use meshes::design::{Bead, Design, Plate, Shape};
 use meshes::{Fault, Mesh};
 use std::path::{Path, PathBuf};
 use tables::Outputs;
-use tables::cli::print;
+use tables::cli::{number, print};
 
 /// Options of `bake design`.
 #[derive(Debug, Args)]
@@ -25,13 +25,13 @@ pub(crate) struct DesignArgs {
     ///
     /// For a plate or beads it is the pitch, that is the distance from one element to the next, 1
     /// by default.
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_parser = number, value_name = "LENGTH")]
     pub(crate) edge_length: Option<f64>,
     /// Part by which the top is lower than the ideal one
     ///
     /// The unit is the height of the ideal top above the apex. From 0 to below 1; of a full cube
     /// below 0.5.
-    #[arg(long, value_name = "PART", help_heading = heading::SHAPE)]
+    #[arg(long, value_parser = number, value_name = "PART", help_heading = heading::SHAPE)]
     pub(crate) truncation: Option<f64>,
     /// Angle between the sheet's normal and the cube's axis, degrees
     ///
@@ -39,6 +39,7 @@ pub(crate) struct DesignArgs {
     /// towards edge 1.
     #[arg(
         long,
+        value_parser = number,
         value_name = "DEG",
         allow_negative_numbers = true,
         help_heading = heading::SHAPE
@@ -49,6 +50,7 @@ pub(crate) struct DesignArgs {
     /// Between full cubes the gap is open.
     #[arg(
         long,
+        value_parser = number,
         value_name = "LENGTH",
         allow_negative_numbers = true,
         help_heading = heading::SHAPE
@@ -70,6 +72,7 @@ pub(crate) struct DesignArgs {
     /// A positive bulge is towards the light. The normals of the curved faces are written too.
     #[arg(
         long,
+        value_parser = number,
         value_name = "S",
         allow_negative_numbers = true,
         help_heading = heading::IMPERFECT
@@ -84,6 +87,7 @@ pub(crate) struct DesignArgs {
     /// Radius of the rounded edges from the apex, file units
     #[arg(
         long,
+        value_parser = number,
         value_name = "LENGTH",
         allow_negative_numbers = true,
         help_heading = heading::IMPERFECT
@@ -95,6 +99,7 @@ pub(crate) struct DesignArgs {
     /// Part of each edge that a flat facet at the apex cuts off
     #[arg(
         long,
+        value_parser = number,
         value_name = "PART",
         allow_negative_numbers = true,
         help_heading = heading::IMPERFECT
@@ -108,13 +113,13 @@ pub(crate) struct DesignArgs {
 #[derive(Debug, Args)]
 pub(crate) struct ElementArgs {
     /// Depth of each layer of mirrors, pitches (design plate) [default: 3]
-    #[arg(long, value_name = "PITCHES", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "PITCHES", allow_negative_numbers = true)]
     depth: Option<f64>,
     /// Thickness of a mirror, pitches (design plate) [default: 0.02]
-    #[arg(long, value_name = "PITCHES", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "PITCHES", allow_negative_numbers = true)]
     thickness: Option<f64>,
     /// Diameter of a bead, pitches (design bead) [default: 0.95]
-    #[arg(long, value_name = "PITCHES", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "PITCHES", allow_negative_numbers = true)]
     diameter: Option<f64>,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::plan::Effort;
 use crate::run::Bake;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::io::IsTerminal;
 
 /// Returns the number of rays of a bake; `None` if it runs to a tolerance.
@@ -28,15 +28,15 @@ impl Progress {
         let template = match rays(bake) {
             Some(rays) => {
                 bar.set_length(rays);
-                "{bar:40} {human_pos}/{human_len} rays, {per_sec}, {eta} left"
+                "{bar:40} {human_pos}/{human_len} rays, {rate}, {eta} left"
             }
-            None => "{spinner} {human_pos} rays, {per_sec}",
+            None => "{spinner} {human_pos} rays, {rate}",
         };
         if !shown || !std::io::stderr().is_terminal() {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         }
         if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
+            bar.set_style(style.with_key("rate", rate));
         }
         Progress { bar }
     }
@@ -69,4 +69,9 @@ impl Progress {
     pub(super) fn finish(&self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// Writes the rays a second as a whole number.
+fn rate(state: &ProgressState, out: &mut dyn std::fmt::Write) {
+    let _ = write!(out, "{}/s", HumanCount(state.per_sec() as u64));
 }

@@ -9,7 +9,7 @@ use crate::study::{StudyPlan, picture, report, study};
 use clap::Args;
 use std::path::PathBuf;
 use tables::Outputs;
-use tables::cli::{print, reserve_plot, warn};
+use tables::cli::{number, print, reserve_plot, warn};
 use tables::options::{Back, SceneOptions};
 
 /// Options of `bake study`.
@@ -18,7 +18,7 @@ pub(crate) struct StudyArgs {
     /// Mesh file of one cell: .obj, .gltf or .glb
     mesh: PathBuf,
     /// Refractive index behind the front face [default: the file's, else 1]
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "M", allow_negative_numbers = true)]
     refractive_index: Option<f64>,
     /// Angles of incidence in the air, degrees
     ///
@@ -65,6 +65,7 @@ pub(crate) struct StudyArgs {
     /// The error of the worst direction counts. It is a sum of probabilities: above 0, at most 2.
     #[arg(
         long,
+        value_parser = number,
         value_name = "E",
         default_value_t = study::default::TARGET,
         allow_negative_numbers = true,
@@ -76,6 +77,7 @@ pub(crate) struct StudyArgs {
     /// A bake that is expected to take longer is left out, and so are those with more rays.
     #[arg(
         long,
+        value_parser = number,
         value_name = "SECONDS",
         default_value_t = study::default::LONGEST_SECONDS,
         allow_negative_numbers = true,
@@ -100,6 +102,7 @@ pub(crate) struct StudyArgs {
     /// The histogram covers shifts u and v from -RANGE to RANGE.
     #[arg(
         long,
+        value_parser = number,
         default_value_t = default::RANGE,
         allow_negative_numbers = true,
         help_heading = heading::ACCURACY

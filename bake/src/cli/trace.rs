@@ -16,7 +16,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use tables::cli::{print, warn};
+use tables::cli::{number, print, warn};
 use tables::options::{Back, Losses, Method, Record, Sampler, SceneOptions};
 use tables::{Output, Outputs, Table};
 
@@ -72,6 +72,7 @@ pub(crate) struct TraceArgs {
     /// The histogram covers shifts u and v from -RANGE to RANGE.
     #[arg(
         long,
+        value_parser = number,
         default_value_t = default::RANGE,
         allow_negative_numbers = true,
         help_heading = heading::ACCURACY
@@ -84,6 +85,7 @@ pub(crate) struct TraceArgs {
     /// direction decides.
     #[arg(
         long,
+        value_parser = number,
         value_name = "DEG",
         default_value_t = default::ANGULAR_TOLERANCE_DEG,
         allow_negative_numbers = true,
@@ -98,6 +100,7 @@ pub(crate) struct TraceArgs {
     /// ends, have no effect.
     #[arg(
         long,
+        value_parser = number,
         value_name = "TV",
         allow_negative_numbers = true,
         help_heading = heading::ACCURACY
@@ -134,6 +137,7 @@ pub(crate) struct TraceArgs {
     /// Needs --losses fresnel.
     #[arg(
         long,
+        value_parser = number,
         value_name = "R",
         allow_negative_numbers = true,
         help_heading = heading::MATERIAL
@@ -155,6 +159,7 @@ pub(crate) struct TraceArgs {
     /// most 2. Not together with --rays, --shard or --sampler random.
     #[arg(
         long,
+        value_parser = number,
         value_name = "E",
         allow_negative_numbers = true,
         help_heading = heading::RAYS

@@ -139,7 +139,7 @@ impl Kernel {
             && rules.glass_index.is_none()
             && !rules.follows_the_front()
             && scenes.iter().all(|scene| scene.is_flown_through());
-        // A photon ends by its own chance. Packets know none, and sorted samples have lost it.
+        // A photon ends by its own chance. Packets know none.
         let chances = rules.losses.is_some();
         let mut entries = vec![Vec::new(); scenes.len()];
         for piece in launch.pieces() {
@@ -149,11 +149,7 @@ impl Kernel {
             .iter()
             .zip(entries)
             .map(|(scene, entry)| Program::new(scene, entry, rules, &direction?, bins));
-        let programs: Option<Vec<Program>> = if alone || chances && lanes::sorts(launch) {
-            None
-        } else {
-            programs.collect()
-        };
+        let programs: Option<Vec<Program>> = if alone { None } else { programs.collect() };
         Kernel {
             programs: programs.unwrap_or_default(),
             rough: rules.roughness.filter(|_| side_by_side),

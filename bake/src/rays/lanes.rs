@@ -117,7 +117,12 @@ fn run<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) 
     let cells = stream.sampler == Sampler::Sobol;
     let mut first = samples.start;
     if sorts(launch) {
-        by_pieces::<RECORD, LOSSY>(programs, launch, stream, samples.clone(), &mut work);
+        // Photons carry their index along, because their chance depends on it.
+        if LOSSY {
+            by_pieces::<RECORD, LOSSY, 3>(programs, launch, stream, samples.clone(), &mut work);
+        } else {
+            by_pieces::<RECORD, LOSSY, 2>(programs, launch, stream, samples.clone(), &mut work);
+        }
         first = samples.end;
     }
     while first < samples.end {
@@ -189,8 +194,11 @@ pub(crate) fn sorts(launch: &Launch) -> bool {
 }
 
 /// Traces samples in the order of the pieces that they choose.
+///
+/// `WORDS` is the number of words of a sample: two digits and, with losses, its place among all
+/// samples.
 #[inline(always)]
-fn by_pieces<const RECORD: bool, const LOSSY: bool>(
+fn by_pieces<const RECORD: bool, const LOSSY: bool, const WORDS: usize>(
     programs: Programs,
     launch: &Launch,
     stream: &Stream,
@@ -200,14 +208,20 @@ fn by_pieces<const RECORD: bool, const LOSSY: bool>(
     let mut drawn = Vec::with_capacity((samples.end - samples.start) as usize + LANES);
     for first in samples.clone().step_by(LANES) {
         let (a, b) = digits(stream, first);
-        drawn.extend((0..LANES).map(|lane| [a[lane], b[lane]]));
+        let place = (first - samples.start) as u32;
+        drawn.extend((0..LANES).map(|lane| {
+            let words = [a[lane], b[lane], place + lane as u32];
+            let mut sample = [0; WORDS];
+            sample.copy_from_slice(&words[..WORDS]);
+            sample
+        }));
     }
     drawn.truncate((samples.end - samples.start) as usize);
     // The first coordinate is cut into slots, 8 to 16 of them for a piece of the mean size. The
     // slots are so fine that few samples of a piece's slots choose a neighbouring piece. `points`
     // decides for each sample which piece it chooses.
     let bits = launch.pieces().len().ilog2() + 4;
-    let slot = |of: &[u32; 2]| of[0] >> (32 - bits);
+    let slot = |of: &[u32; WORDS]| of[0] >> (32 - bits);
     let drawn = order(&drawn, 1 << bits, |sample| slot(sample) as usize);
     for piece in launch.pieces() {
         let [from, to] = [piece.from, piece.to].map(|end| (end * f64::from(1 << bits)) as u32);
@@ -215,14 +229,20 @@ fn by_pieces<const RECORD: bool, const LOSSY: bool>(
         let count = drawn[from..].partition_point(|sample| slot(sample) <= to);
         let course = programs.whole(piece.scene);
         for some in drawn[from..from + count].chunks(LANES) {
-            let (mut a, mut b) = ([0; LANES], [0; LANES]);
+            let (mut a, mut b, mut indices) = ([0; LANES], [0; LANES], [samples.start; LANES]);
             for (lane, sample) in some.iter().enumerate() {
-                [a[lane], b[lane]] = *sample;
+                (a[lane], b[lane]) = (sample[0], sample[1]);
+                if LOSSY {
+                    indices[lane] += u64::from(sample[2]);
+                }
             }
             let (x, y, mut start) = points(piece, &a, &b);
             start[some.len()..].fill(0);
-            // Programs with losses have no sorted samples.
-            let chance = [0.0; LANES];
+            let chance = if LOSSY {
+                chances(stream, &indices)
+            } else {
+                [0.0; LANES]
+            };
             bundle::<RECORD, LOSSY>(course, [&x, &y, &chance], start, work);
         }
     }

@@ -66,27 +66,7 @@ pub(crate) fn choose(
     tolerance: f64,
     watch: Watch<'_>,
 ) -> Result<(Axes, bool), RunError> {
-    let ends = |angles: &[f64]| match angles {
-        [first, .., last] => vec![*first, *last],
-        other => other.to_vec(),
-    };
-    let (first, width) = bake.symmetry.sector_deg();
-    // Where azimuths go all around, the last gap ends at the first azimuth again.
-    let goes_around = bake.plan.full_step_deg.is_some() && bake.symmetry.mirror_deg.is_none();
-    let mut search = Search {
-        bake,
-        exact,
-        incidences: ends(&bake.axes.incidence_deg),
-        azimuths: if goes_around {
-            vec![first, first + 0.5 * width]
-        } else {
-            ends(&bake.axes.azimuth_deg)
-        },
-        around_to: goes_around.then_some(first + width),
-        proof: proved::provable(exact, &bake.rules, ASTRAY_RAD),
-        tolerance,
-        aim: AIM * tolerance,
-    };
+    let mut search = Search::new(bake, exact, tolerance);
     let proved = pool(bake.plan.threads)?.install(|| search.refine(watch))?;
     Ok((search.axes(bake.axes.bins), proved))
 }
@@ -105,6 +85,8 @@ struct Search<'a> {
     azimuths: Vec<f64>,
     /// End of the gap after the last azimuth, degrees, where azimuths go all around.
     around_to: Option<f64>,
+    /// Numbers of directions and of parts of gaps after which the search for a proof is given up.
+    most: [usize; 2],
 }
 
 /// Direction to try, and the gaps that it lies in.
@@ -118,7 +100,33 @@ struct Probe {
     across: Option<usize>,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    /// Makes a search that begins with the ends of the angles asked for.
+    fn new(bake: &'a Bake<'a>, exact: &'a ExactCell, tolerance: f64) -> Self {
+        let ends = |angles: &[f64]| match angles {
+            [first, .., last] => vec![*first, *last],
+            other => other.to_vec(),
+        };
+        let (first, width) = bake.symmetry.sector_deg();
+        // Where azimuths go all around, the last gap ends at the first azimuth again.
+        let goes_around = bake.plan.full_step_deg.is_some() && bake.symmetry.mirror_deg.is_none();
+        Search {
+            bake,
+            exact,
+            incidences: ends(&bake.axes.incidence_deg),
+            azimuths: if goes_around {
+                vec![first, first + 0.5 * width]
+            } else {
+                ends(&bake.axes.azimuth_deg)
+            },
+            around_to: goes_around.then_some(first + width),
+            proof: proved::provable(exact, &bake.rules, ASTRAY_RAD),
+            tolerance,
+            aim: AIM * tolerance,
+            most: [MOST_PROVED, MOST_LOOKED],
+        }
+    }
+
     /// Returns the axes with the directions found so far and with `bins` bins.
     fn axes(&self, bins: usize) -> Axes {
         Axes {
@@ -148,12 +156,11 @@ impl Search<'_> {
                 return Err(RunError::Stopped);
             }
             let directions = self.incidences.len() * self.azimuths.len();
-            if looked > MOST_LOOKED || directions > MOST_PROVED {
+            let gives_up = directions > self.most[0] || looked > self.most[1];
+            if gives_up && let Some(tried) = tried {
                 // What was found without a proof stands.
-                if let Some(tried) = tried {
-                    (self.incidences, self.azimuths) = tried;
-                    return Ok(false);
-                }
+                (self.incidences, self.azimuths) = tried;
+                return Ok(false);
             }
             // Only polygons are interpolated, so one bin is enough for the table.
             let bake = Bake {
@@ -381,4 +388,58 @@ impl Search<'_> {
 /// Returns the greatest error.
 fn worst(found: &[(f64, Probe)]) -> f64 {
     found.iter().map(|(error, _)| *error).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::Prepared;
+    use crate::plan::{Plan, Request};
+    use meshes::design::{Design, Shape};
+
+    /// A search for a proof that is given up leaves the directions that trials alone choose, and
+    /// does not say that they are proved. With more patience the same cells are proved.
+    #[test]
+    fn a_proof_that_is_given_up_leaves_the_trials() {
+        let cases = [
+            ("triangular", 0.005, [MOST_PROVED, 0]),
+            ("triangular-pair", 0.01, [0, MOST_LOOKED]),
+        ];
+        for (shape, tolerance, most) in cases {
+            let mut design = Design::new(Shape::from_name(shape).expect("a design"));
+            design.dihedral_error_rad = [5e-4, 0.0, -3e-4];
+            let mesh = design.mesh().expect("a mesh");
+            let options = meshes::CellOptions::default();
+            let cell = meshes::normalise(&mesh, "cell.obj".as_ref(), &options).expect("a cell");
+            let request = Request {
+                incidence: "0,40".into(),
+                azimuth: "full".into(),
+                refractive_index: Some(1.49),
+                ..Request::default()
+            };
+            let plan = Plan::new(&request).expect("a valid request");
+            let prepared = Prepared::new(cell);
+            let exact = prepared.exact().expect("planar");
+            let bake = Bake::new(&prepared, &plan).expect("a bake");
+            let searched = |change: &dyn Fn(&mut Search<'_>)| {
+                let mut search = Search::new(&bake, exact, tolerance);
+                change(&mut search);
+                let proved = search.refine(Watch::none()).expect("directions");
+                (proved, search.axes(1))
+            };
+            let tried = searched(&|search| search.proof = None);
+            let given_up = searched(&|search| search.most = most);
+            let proved = searched(&|_| ());
+            let count = |axes: &Axes| axes.incidence_deg.len() * axes.azimuth_deg.len();
+            println!(
+                "{} directions tried, {} proved",
+                count(&tried.1),
+                count(&proved.1)
+            );
+            assert!(proved.0 && count(&proved.1) > count(&tried.1));
+            assert!(!tried.0 && !given_up.0);
+            assert_eq!(tried.1, given_up.1);
+        }
+        println!("{} cells", cases.len());
+    }
 }

@@ -345,10 +345,9 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
         ),
         (design("full-cube", |_| ()), 1.49, 45.0, 40),
         (design("triangular-pair", uneven), 1.49, 45.0, 40),
-        // Up to and beyond the limit of 35.26 deg of a hollow cube, near which its six paths end at
-        // slightly different angles.
-        (design("triangular-pair", uneven), 1.0, 34.0, 60),
-        (design("triangular-pair", uneven), 1.0, 38.0, 200),
+        // Beyond the limit of 35.26 deg of a hollow cube, near which its six paths end at slightly
+        // different angles.
+        (design("triangular-pair", uneven), 1.0, 38.0, 114),
     ];
     let mut tried = 0;
     for (cell, index, steepest, most) in cases {
@@ -418,7 +417,7 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
         );
     }
     println!("{tried} directions");
-    assert_eq!(tried, 8 * 500);
+    assert_eq!(tried, 7 * 500);
 }
 
 /// The error names the place where no grid reaches the tolerance: the distribution jumps where

@@ -18,7 +18,7 @@ use crate::cli::by_hand::Numbers;
 use crate::cli::estimate::{Estimation, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::host::Host;
-use crate::cli::{estimate, mtf, output, parse, predict, render, simulate, study};
+use crate::cli::{estimate, explore, mtf, output, parse, predict, render, simulate, study};
 use crate::estimate::{OtherTable, error};
 use crate::images::UNWATCHED;
 use crate::photographs::photo::held::Held;
@@ -192,6 +192,32 @@ pub fn render(
     let (image, facts) =
         pool.install(|| render::rendered(&arguments, &sheet, &source, UNWATCHED))?;
     Ok((image, output::json(&facts)))
+}
+
+/// Makes a page with sliders, as `fit explore` does, and returns it with its facts as JSON.
+///
+/// # Errors
+/// Returns [`Refused`] if the words cannot be used, if the picture has a value that is not finite,
+/// or if the table is not one of the fitted cell.
+pub fn explore(
+    words: &[OsString],
+    result: &ResultFile,
+    table: &Table,
+    source: Option<Held>,
+) -> Result<(String, String), Refused> {
+    let arguments: explore::Arguments = parsed(words)?;
+    let picture = match source {
+        None => None,
+        Some(held) => {
+            let picture = held.into_picture(arguments.transfer);
+            Some(picture.map_err(Failure::from)?)
+        }
+    };
+    let source = picture.as_ref().map(|own| (Path::new("picture"), own));
+    let sheet = Fitted::new(result, table).map_err(Failure::from)?;
+    let title = "estimate in Python".into();
+    let made = explore::made(&arguments, sheet, title, source, &|_| ())?;
+    Ok((made.html, output::json(&made.facts)))
 }
 
 /// Writes a synthetic campaign, as `fit simulate --json` does.

@@ -157,7 +157,7 @@ const SIDE: u32 = 512;
 
 /// Facts about a page.
 #[derive(Serialize)]
-struct Facts {
+pub(super) struct Facts {
     megabytes: f64,
     directions: usize,
     distance_mm: [f64; 2],
@@ -180,7 +180,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
     let output = outputs.reserve(&arguments.output)?;
     let table = (arguments.by_hand).table("fit explore", arguments.table.as_deref())?;
-    let start = arguments.start(&table)?;
     let (result, title) = match &arguments.result {
         Some(file) => (
             read_channel(file, arguments.channel.as_deref())?,
@@ -195,47 +194,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         ),
     };
     let sheet = Fitted::new(&result, &table)?;
-    let pool = terminal::pool(arguments.threads)?;
-    let mut warnings = result.warnings.clone();
-    let source = match &arguments.source {
+    let picture = match &arguments.source {
         None => None,
-        Some(file) => {
-            let picture = photo::load_colour(file, arguments.transfer)?;
-            warnings.extend(picture.warnings.iter().cloned());
-            Some(embedded(file, &picture))
-        }
+        Some(file) => Some((file, photo::load_colour(file, arguments.transfer)?)),
     };
-    let explorer = Explorer {
-        sheet,
-        span: arguments.span(&result)?,
-        start,
-        title,
-        source,
-    };
+    let source = picture.as_ref().map(|(file, own)| (file.as_path(), own));
     let progress = Progress::of_grids();
-    let page = pool.install(|| explore::page(&explorer, &|_| progress.step()));
+    let made = made(arguments, sheet, title, source, &|_| progress.step());
     progress.done();
-    let page = page?;
-    output.commit(page.html.as_bytes())?;
-    if page.misfit.pixel > 3.0 * explore::WANTED {
-        warnings.push(format!(
-            "a pixel of the page can err by {:.0} % of the brightest, because no finer grid fits \
-            into a page; give a shorter range by --nearest and --farthest",
-            100.0 * page.misfit.pixel
-        ));
-    }
-    terminal::warn(&warnings);
-    let facts = Facts {
-        megabytes: page.html.len() as f64 / 1e6,
-        directions: page.directions,
-        distance_mm: explorer.span.distance_mm,
-        mixing_error: page.misfit.pixel,
-        mixing_error_of_peak: page.misfit.peak,
-        places: page.places,
-        warnings,
-    };
+    let made = made?;
+    output.commit(made.html.as_bytes())?;
+    let facts = &made.facts;
+    terminal::warn(&facts.warnings);
     Ok(terminal::print(&match arguments.json {
-        true => output::json(&facts),
+        true => output::json(facts),
         false => format!(
             "{}: {:.1} MB, {} directions; a pixel errs by at most {:.2} % of the brightest \
             (at {} places)\n",
@@ -246,6 +218,60 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             facts.places
         ),
     })?)
+}
+
+/// Page, and the facts about it.
+pub(super) struct Made {
+    pub html: String,
+    pub facts: Facts,
+}
+
+/// Makes the page of a sheet, which shows the picture `source` first if there is one.
+///
+/// `step` is told how many grids have been tried.
+///
+/// # Errors
+/// Fails if an option contradicts the table, or if the sheet has no blur in a direction.
+pub(super) fn made(
+    arguments: &Arguments,
+    sheet: Fitted<'_>,
+    title: String,
+    source: Option<(&Path, &Picture)>,
+    step: &(dyn Fn(usize) + Sync),
+) -> Result<Made, Failure> {
+    let mut warnings = sheet.result.warnings.clone();
+    if let Some((_, picture)) = source {
+        warnings.extend(picture.warnings.iter().cloned());
+    }
+    let explorer = Explorer {
+        sheet,
+        span: arguments.span(sheet.result)?,
+        start: arguments.start(sheet.table)?,
+        title,
+        source: source.map(|(file, picture)| embedded(file, picture)),
+    };
+    let pool = terminal::pool(arguments.threads)?;
+    let page = pool.install(|| explore::page(&explorer, step))?;
+    if page.misfit.pixel > 3.0 * explore::WANTED {
+        warnings.push(format!(
+            "a pixel of the page can err by {:.0} % of the brightest, because no finer grid fits \
+            into a page; give a shorter range by --nearest and --farthest",
+            100.0 * page.misfit.pixel
+        ));
+    }
+    let facts = Facts {
+        megabytes: page.html.len() as f64 / 1e6,
+        directions: page.directions,
+        distance_mm: explorer.span.distance_mm,
+        mixing_error: page.misfit.pixel,
+        mixing_error_of_peak: page.misfit.peak,
+        places: page.places,
+        warnings,
+    };
+    Ok(Made {
+        html: page.html,
+        facts,
+    })
 }
 
 impl Arguments {

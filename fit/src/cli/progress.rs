@@ -4,7 +4,7 @@
 use std::io::IsTerminal;
 
 #[cfg(feature = "report")]
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::estimate::Step;
 
@@ -20,7 +20,7 @@ impl Progress {
     pub(crate) fn of(campaigns: u64) -> Progress {
         Progress::with(
             campaigns,
-            "{bar:40} {pos}/{len} campaigns, {per_sec}, {eta} left",
+            "{bar:40} {pos}/{len} campaigns, {rate}, {eta} left",
         )
     }
 
@@ -28,7 +28,7 @@ impl Progress {
     /// [`Progress::part`].
     #[cfg(feature = "report")]
     pub(crate) fn of_steps() -> Progress {
-        Progress::with(0, "{bar:40} {pos}/{len} {msg}, {per_sec}, {eta} left")
+        Progress::with(0, "{bar:40} {pos}/{len} {msg}, {rate}, {eta} left")
     }
 
     /// Shows how many grids of a page have been tried, and for how long.
@@ -44,7 +44,7 @@ impl Progress {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         }
         if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
+            bar.set_style(style.with_key("rate", rate));
         }
         Progress { bar }
     }
@@ -99,4 +99,17 @@ impl Progress {
         #[cfg(feature = "report")]
         self.bar.finish_and_clear();
     }
+}
+
+/// Writes the mean number of steps a second, with three digits.
+#[cfg(feature = "report")]
+fn rate(state: &ProgressState, out: &mut dyn std::fmt::Write) {
+    let seconds = state.elapsed().as_secs_f64();
+    if seconds < 0.1 {
+        let _ = out.write_str("...");
+        return;
+    }
+    let rate = state.pos() as f64 / seconds;
+    let decimals = (2.0 - rate.max(1.0).log10().floor()).max(0.0) as usize;
+    let _ = write!(out, "{rate:.decimals$}/s");
 }

@@ -165,6 +165,28 @@ pub(crate) fn unrefined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     }
 }
 
+/// Fits a candidate with one spread per incidence from an optimum with one spread for all. The sum
+/// of squares is at most that of `from`.
+pub(crate) fn widened(scene: &Scene, loss: &Loss, from: &Optimum) -> Optimum {
+    let choice = Choice {
+        per_angle_a: true,
+        ..from.choice
+    };
+    let layout = Layout::new(choice, scene.groups.len());
+    let mut start = from.solution.parameters.clone();
+    if let Some(spread) = layout.spread(0) {
+        let value = start[spread];
+        start = start.insert_rows(spread, layout.spreads - 1, value);
+    }
+    let mut solution = least_squares(start, CONVERGED, |at| loss.evaluate(&layout, at));
+    layout.limit(&mut solution.parameters);
+    Optimum {
+        choice,
+        solution,
+        observations: loss.observations(),
+    }
+}
+
 /// Finds the least sum of squares with parameter `fixed` held at `value`, a point of the profile
 /// likelihood. Returns it with the parameters there.
 pub(crate) fn sum_of_squares_with(

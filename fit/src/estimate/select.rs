@@ -19,7 +19,7 @@ use crate::estimate::error::{Conflict, Error};
 use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::optimum::{Optimum, refined, rough, rough_from, unrefined};
+use crate::estimate::optimum::{Optimum, refined, rough, rough_from, unrefined, widened};
 use crate::estimate::scene::Scene;
 use crate::estimate::start;
 use crate::estimate::watch::{Step, Watch};
@@ -213,6 +213,7 @@ pub(crate) fn select<'a>(
         *fit = finish(scene, &loss, fit.clone());
         watch.done(Step::Candidates { done, of })?;
     }
+    widen(scene, &loss, &mut fits);
     let scale = misfit(&fits);
     let compared = ranked(scene, &fits, scale);
     let least = compared.first().map_or(f64::NAN, |row| row.criterion);
@@ -287,6 +288,25 @@ fn share_c(scene: &Scene, fits: &mut [Optimum]) {
             if other.criterion(scale) < fit.criterion(scale) {
                 *fit = other;
             }
+        }
+    }
+}
+
+/// Fits a candidate with one spread per incidence again if the same one with one spread for all is
+/// better: it holds the other, so its search has ended too early.
+fn widen(scene: &Scene, loss: &Loss, fits: &mut [Optimum]) {
+    for i in 0..fits.len() {
+        let wide = &fits[i];
+        let narrow = Choice {
+            per_angle_a: false,
+            ..wide.choice
+        };
+        let within = fits.iter().find(|fit| fit.choice == narrow);
+        let Some(within) = within.filter(|_| wide.choice.per_angle_a) else {
+            continue;
+        };
+        if within.solution.sum_of_squares() < wide.solution.sum_of_squares() {
+            fits[i] = widened(scene, loss, within);
         }
     }
 }

@@ -3,7 +3,9 @@
 //! Each suspect is tried: the scene is made as it would be without the mistake, the candidate is
 //! fitted again, and the sums of squares are compared. All suspects are fitted to the MTFs, which
 //! is fast. The best few are fitted by the loss of the estimate. A suspect is named if the sum of
-//! squares falls by at least half of its excess, and by more than chance allows.
+//! squares falls by at least half of its excess, by more than chance allows, and if no other one
+//! explains the photographs far better. Other kernels and lobes are tried first. If one of them
+//! leaves no misfit, no mistake is searched for.
 
 mod alternatives;
 mod light;
@@ -116,6 +118,15 @@ struct Alternative {
     cost: f64,
 }
 
+/// Suspect that explains the misfit of the blur.
+struct Named {
+    suspect: Suspect,
+    /// Sum of squares of its fit, less its degrees of freedom, plus the cost of the alternative.
+    left: f64,
+    /// Three standard deviations of that number, where only noise is left.
+    noise: f64,
+}
+
 /// Fit of an alternative to the MTFs.
 struct Outcome {
     choice: Choice,
@@ -136,26 +147,43 @@ impl Search<'_> {
             let differs = mu_was_open.then(|| self.of_differing_mu());
             return Ok(differs.unwrap_or_default());
         }
-        let mut found = self.of_blur()?;
+        let found = self.of_blur()?;
+        if !found.is_empty() {
+            // What is left of a wrong blur moves the levels of light too.
+            return Ok(found);
+        }
         let mut light: Vec<Suspect> = self.exposure().into_iter().collect();
         if self.goodness.scale <= 1.0 {
             light.extend(self.of_light());
         }
         light.sort_by(|a, b| a.chi2_if_so.total_cmp(&b.chi2_if_so));
-        found.extend(light);
-        Ok(found)
+        Ok(light)
     }
 
     /// Returns the mistakes that would explain the misfit of the blur.
     fn of_blur(&self) -> Result<Vec<Suspect>, Cancelled> {
-        if self.goodness.scale <= 1.0 {
+        // A baseline seldom has the shape of the blur, so the least misfit is no sign of a mistake.
+        if self.goodness.scale <= 1.0 || self.fit.choice.kernel.is_baseline() {
             return Ok(Vec::new());
         }
-        let alternatives = self.alternatives();
+        let blurs = self.not_tried();
+        let mut named = self.named(&blurs, 0)?;
+        if !named.iter().any(|own| own.left <= own.noise) {
+            named.extend(self.named(&self.alternatives(), blurs.len())?);
+        }
+        named.sort_by(|a, b| a.left.total_cmp(&b.left));
+        let least = named.first().map_or(0.0, |best| best.left);
+        named.retain(|own| own.left - least <= SURE.max(least));
+        Ok(named.into_iter().map(|own| own.suspect).collect())
+    }
+
+    /// Returns those of the alternatives that explain the misfit of the blur. `before` were tried
+    /// before.
+    fn named(&self, alternatives: &[Alternative], before: usize) -> Result<Vec<Named>, Cancelled> {
         let now = self
             .at_least(self.scene, &[self.fit.choice])
             .map_or(0.0, |of| of.excess);
-        let (done, of) = (AtomicUsize::new(0), alternatives.len());
+        let (done, of) = (AtomicUsize::new(before), before + alternatives.len());
         let tried = alternatives.par_iter().map(|own| {
             let found = self.at_least(&own.scene, &own.choices);
             let done = 1 + done.fetch_add(1, Ordering::Relaxed);
@@ -170,24 +198,21 @@ impl Search<'_> {
         rough.truncate(BEST);
         let by_mtf = self.kind != Kind::Edge;
         let excess = self.goodness.chi2 - self.goodness.degrees_of_freedom as f64;
-        let mut named: Vec<(f64, Suspect)> = rough
-            .into_par_iter()
-            .filter_map(|(_, own, choice)| {
-                let fit = self.by_the_loss(&own.scene, choice, by_mtf)?;
-                let left = freed(&fit) + own.cost;
-                let enough = excess - left > SURE.max(EXPLAINED * excess);
-                enough.then(|| {
-                    let suspect = Suspect {
-                        what: own.what.clone(),
-                        captures: own.captures.clone(),
-                        chi2_if_so: fit.solution.sum_of_squares(),
-                    };
-                    (left, suspect)
-                })
+        let named = rough.into_par_iter().filter_map(|(_, own, choice)| {
+            let fit = self.by_the_loss(&own.scene, choice, by_mtf)?;
+            let left = freed(&fit) + own.cost;
+            let enough = excess - left > SURE.max(EXPLAINED * excess);
+            enough.then(|| Named {
+                suspect: Suspect {
+                    what: own.what.clone(),
+                    captures: own.captures.clone(),
+                    chi2_if_so: fit.solution.sum_of_squares(),
+                },
+                left,
+                noise: 3.0 * (2.0 * freedom(&fit) as f64).sqrt(),
             })
-            .collect();
-        named.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(named.into_iter().map(|(_, suspect)| suspect).collect())
+        });
+        Ok(named.collect())
     }
 
     /// Fits the MTFs of a scene by each of these candidates, from the estimate, and returns the
@@ -240,8 +265,11 @@ impl Search<'_> {
 
 /// Returns the sum of squares of a fit less its degrees of freedom.
 fn freed(fit: &Optimum) -> f64 {
-    let freedom = fit
-        .observations
-        .saturating_sub(fit.solution.parameters.len());
-    fit.solution.sum_of_squares() - freedom as f64
+    fit.solution.sum_of_squares() - freedom(fit) as f64
+}
+
+/// Returns the degrees of freedom of a fit.
+fn freedom(fit: &Optimum) -> usize {
+    fit.observations
+        .saturating_sub(fit.solution.parameters.len())
 }

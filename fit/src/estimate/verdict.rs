@@ -45,7 +45,8 @@ pub(crate) fn of_estimate(
                 .into(),
         );
     }
-    warnings.extend(misfit(goodness, suspects));
+    let baseline = best.choice.kernel.is_baseline();
+    warnings.extend(misfit(goodness, suspects, baseline));
     warnings.extend(unlike_diffraction(scene, best));
     warnings.extend(coarse(best));
     warnings.extend(not_told(best));
@@ -93,7 +94,7 @@ fn unlike_diffraction(scene: &Scene, best: &Estimate) -> Option<String> {
 }
 
 /// Returns a warning about a significant misfit, with its suspects.
-fn misfit(goodness: &Goodness, suspects: &[Suspect]) -> Option<String> {
+fn misfit(goodness: &Goodness, suspects: &[Suspect], baseline: bool) -> Option<String> {
     let verdict = goodness.verdict.name();
     let said = suspects.iter().take(SAID).map(|own| own.what.as_str());
     let said = said.collect::<Vec<_>>().join("; or if ");
@@ -126,7 +127,11 @@ fn misfit(goodness: &Goodness, suspects: &[Suspect]) -> Option<String> {
                 let (image, reduced) = (&worst.image, worst.reduced_chi2);
                 format!("; {image} fits worst, with {reduced:.2}")
             });
-            let remedy = if said.is_empty() {
+            let remedy = if baseline && said.is_empty() {
+                "Mistakes are searched for with the proposed model only: leave --model out to look \
+                for one"
+                    .to_owned()
+            } else if said.is_empty() {
                 "No single mistake that was tried explains it: check the manifest, the \
                 photographs and the table"
                     .to_owned()

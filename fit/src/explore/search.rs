@@ -6,6 +6,7 @@ use crate::explore::scaling::Scaling;
 use crate::explore::span::{Fineness, Span, known};
 use crate::explore::stencil::Nodes;
 use crate::images::Viewpoint;
+use crate::names::Kernel;
 use crate::predict::Fitted;
 use crate::result::{AtAngle, Number, Parameter, ResultFile};
 
@@ -90,12 +91,12 @@ pub(crate) fn grid(
         let spread = spread(sheet, &grid, span);
         let found = error(sheet, &spread)?.or(error(&sharpest, &spread)?);
         step(tried);
-        let enough = found.larger() <= WANTED || tried >= MOST_GRIDS;
+        let enough = goal(sheet, found) <= WANTED || tried >= MOST_GRIDS;
         let worst = match enough {
             true => None,
             false => {
                 let one = |sheet, axis| error(sheet, &along(sheet, &grid, span, axis));
-                let along = |axis| Ok(one(sheet, axis)?.or(one(&sharpest, axis)?).larger());
+                let along = |axis| Ok(goal(sheet, one(sheet, axis)?.or(one(&sharpest, axis)?)));
                 let errors = AXES
                     .map(along)
                     .into_iter()
@@ -108,7 +109,7 @@ pub(crate) fn grid(
             misfit: found,
             places: 2 * spread.len(),
         };
-        let better = best.filter(|best| best.misfit.larger() <= found.larger());
+        let better = best.filter(|best| goal(sheet, best.misfit) <= goal(sheet, found));
         let kept = better.unwrap_or(now);
         let Some(worst) = worst else {
             return Ok(kept);
@@ -116,6 +117,17 @@ pub(crate) fn grid(
         best = Some(kept);
         coarser = Some(finer(fineness, AXES[worst], LITTLE_FINER));
         fineness = finer(fineness, AXES[worst], FINER);
+    }
+}
+
+/// Returns the error that the search makes small: that of a pixel and that of a weight. Without a
+/// lobe and without waves it is that of a pixel alone: the light of the shift ends at a sharp rim,
+/// which moves with the direction, and no grid that fits into a page follows the weights there.
+fn goal(sheet: &Fitted<'_>, misfit: Misfit) -> f64 {
+    if sheet.result.kernel == Kernel::Shift {
+        misfit.pixel
+    } else {
+        misfit.larger()
     }
 }
 

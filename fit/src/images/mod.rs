@@ -4,6 +4,7 @@
 //! A picture, a result and a table enter. A rendered picture or measures of likeness leave. The
 //! room may touch predictions, samples, the model and the reading of pictures.
 
+mod exposure;
 pub(crate) mod metrics;
 mod plane;
 pub(crate) mod render;
@@ -11,6 +12,7 @@ mod sheet;
 mod spot;
 mod watch;
 
+pub(crate) use exposure::automatic;
 pub(crate) use metrics::Shown;
 pub(crate) use render::Scale;
 #[cfg(test)]

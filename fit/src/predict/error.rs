@@ -32,15 +32,16 @@ pub enum Error {
     },
     /// Table of another cell than the one that was fitted.
     #[error(
-        "the result was fitted with a table of another cell ({fitted}) than this one ({given}): \
-        mesh, edge length, azimuth zero, refractive index, back, losses or options such as \
-        --roughness differ; bake the fitted cell, or fit again"
+        "the result was fitted with a table of another cell ({fitted}) than this one ({given}), \
+        with another {differs}; give a table of the fitted cell, or fit again"
     )]
     OtherCell {
         /// Design and content hash of the table in the result.
         fitted: String,
         /// Design and content hash of the table that was given.
         given: String,
+        /// Properties that differ.
+        differs: String,
     },
     /// Incidence at which nothing is retroreflected.
     #[error(

@@ -11,6 +11,9 @@ use crate::predict::error::Error;
 use crate::result::TableResult;
 use crate::result::{Number, Parameter, ResultFile};
 
+/// Digits of a content hash that a message shows.
+const HASH_SHOWN: usize = 12;
+
 /// Result and table of the fitted cell.
 ///
 /// Parameters that were fitted per angle are interpolated linearly in the incidence. Beyond the
@@ -35,10 +38,14 @@ impl<'a> Fitted<'a> {
         if result.table.same_cell(&given) {
             return Ok(Fitted { result, table });
         }
-        let name = |table: &TableResult| format!("{} {}", table.design, table.content_hash);
+        let name = |table: &TableResult| {
+            let hash: String = table.content_hash.chars().take(HASH_SHOWN).collect();
+            format!("{} {hash}", table.design)
+        };
         Err(Error::OtherCell {
             fitted: name(&result.table),
             given: name(&given),
+            differs: result.table.difference(&given),
         })
     }
 

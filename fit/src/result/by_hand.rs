@@ -42,7 +42,27 @@ const ONE_LOBE: &str = "a is taken as the same at every distance (kernel eq1); a
     with the distance is --a-times-r (fixed angle) or --wavelength-nm (wave optics), and which of \
     them a sheet has is told by photographs at two distances";
 
+/// Corner size, mm, above which it is asked whether micrometres were meant. Sheets have corners of
+/// some hundredths of a mm to 1 mm, cast road reflectors up to 5 mm.
+const LARGE_MM: f64 = 10.0;
+
 impl ByHand {
+    /// Returns warnings about the numbers.
+    fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.c_mm > LARGE_MM {
+            let (c, less) = (self.c_mm, self.c_mm / 1000.0);
+            warnings.push(format!(
+                "corners of {c} mm are far larger than those of sheets; --c is in mm, so {c} \
+                micrometres are --c {less}"
+            ));
+        }
+        if matches!(self.spread, Spread::Lobe(_)) {
+            warnings.push(ONE_LOBE.into());
+        }
+        warnings
+    }
+
     /// Returns the numbers as a result, which has no standard errors.
     pub(crate) fn result(&self, table: TableResult) -> ResultFile {
         let shared = |value| {
@@ -56,7 +76,6 @@ impl ByHand {
             Spread::Lobe(a) => (Kernel::Eq1, Some(shared(*a)), None, None),
             Spread::Angle(a) => (Kernel::Angular, None, Some(shared(*a)), None),
         };
-        let warns = kernel == Kernel::Eq1;
         ResultFile {
             model: Family::Proposed,
             kernel,
@@ -99,7 +118,7 @@ impl ByHand {
             domain: None,
             trusted: Vec::new(),
             table,
-            warnings: Vec::from_iter(warns.then(|| ONE_LOBE.into())),
+            warnings: self.warnings(),
         }
     }
 }
@@ -113,5 +132,26 @@ impl ResultFile {
     /// Returns whether the numbers are those of a nominal sheet.
     pub(crate) fn is_nominal(&self) -> bool {
         self.stop == NOMINAL
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_in_micrometres_are_asked_about() {
+        for (c_mm, expected) in [(0.15, 0), (5.0, 0), (150.0, 1)] {
+            let sheet = ByHand {
+                c_mm,
+                spread: Spread::Angle(750.0),
+                mu: None,
+                half_mirror: 0.25,
+                pixel_pitch_mm: 0.1,
+            };
+            let warnings = sheet.warnings();
+            assert_eq!(warnings.len(), expected, "{c_mm}: {warnings:?}");
+            assert!(warnings.iter().all(|said| said.ends_with("--c 0.15")));
+        }
     }
 }

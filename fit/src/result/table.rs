@@ -66,25 +66,45 @@ impl TableResult {
     /// Returns true if the other table is one of the same cell.
     pub fn same_cell(&self, other: &TableResult) -> bool {
         let cells = self.cell.as_ref().zip(other.cell.as_ref());
-        self.content_hash == other.content_hash || cells.is_some_and(|(own, other)| own.same(other))
+        let same = |(own, other): (&CellResult, _)| own.differences(other).next().is_none();
+        self.content_hash == other.content_hash || cells.is_some_and(same)
+    }
+
+    /// Returns the names of the properties in which the cell of another table differs, as a list
+    /// in words.
+    pub(crate) fn difference(&self, other: &TableResult) -> String {
+        let cells = self.cell.as_ref().zip(other.cell.as_ref());
+        let names: Vec<&str> =
+            cells.map_or(Vec::new(), |(own, other)| own.differences(other).collect());
+        if names.is_empty() {
+            return "content hash (the result does not say which cell it has)".into();
+        }
+        names.join(", ")
     }
 }
 
 impl CellResult {
-    /// Returns true if the other properties are equal.
+    /// Returns the names of the properties that differ.
     ///
     /// Numbers may differ in their last digit, because they went through JSON.
-    fn same(&self, other: &CellResult) -> bool {
-        let numbers = |cell: &CellResult| {
-            let [x, y, z] = cell.azimuth_zero;
-            [cell.edge_length, cell.refractive_index, x, y, z]
-        };
-        let texts = |cell: &CellResult| {
-            [&cell.mesh_hash, &cell.back, &cell.losses, &cell.options].map(String::clone)
-        };
-        let mut pairs = numbers(self).into_iter().zip(numbers(other));
-        let near = |(a, b): (f64, f64)| (a - b).abs() <= 4.0 * f64::EPSILON * a.abs().max(1.0);
-        texts(self) == texts(other) && pairs.all(near)
+    fn differences<'a>(&'a self, other: &'a CellResult) -> impl Iterator<Item = &'static str> + 'a {
+        let near = |a: f64, b: f64| (a - b).abs() <= 4.0 * f64::EPSILON * a.abs().max(1.0);
+        let mut zeros = self.azimuth_zero.iter().zip(other.azimuth_zero);
+        let same = [
+            ("mesh", self.mesh_hash == other.mesh_hash),
+            ("edge length", near(self.edge_length, other.edge_length)),
+            ("azimuth zero", zeros.all(|(&a, b)| near(a, b))),
+            (
+                "refractive index",
+                near(self.refractive_index, other.refractive_index),
+            ),
+            ("back", self.back == other.back),
+            ("losses", self.losses == other.losses),
+            ("options", self.options == other.options),
+        ];
+        same.into_iter()
+            .filter(|(_, same)| !same)
+            .map(|(name, _)| name)
     }
 }
 
@@ -107,6 +127,20 @@ mod tests {
                 options: StatedOptions::from(options).of_the_cell(),
             }),
         }
+    }
+
+    #[test]
+    fn what_differs_is_named() {
+        let (fitted, mut other) = (of("a", ""), of("b", "--roughness 0.001"));
+        assert_eq!(fitted.difference(&other), "options");
+        let cell = other.cell.as_mut().unwrap();
+        cell.mesh_hash = "1".repeat(64);
+        cell.refractive_index = 1.49;
+        cell.azimuth_zero = [0.0, 1.0, 0.0];
+        let said = fitted.difference(&other);
+        assert_eq!(said, "mesh, azimuth zero, refractive index, options");
+        other.cell = None;
+        assert!(fitted.difference(&other).starts_with("content hash"));
     }
 
     #[test]

@@ -77,6 +77,7 @@ fn mixtures_of_all_models_err_as_stated() {
     };
     let (mut compared, mut above) = (0, 0);
     for (kernel, lobe) in MODELS {
+        let start = std::time::Instant::now();
         let result = result(kernel, lobe, TableResult::of(&table));
         let sheet = Fitted::new(&result, &table).unwrap();
         let found = grid(&sheet, &span, &|_| {}).unwrap();
@@ -93,6 +94,10 @@ fn mixtures_of_all_models_err_as_stated() {
             "{kernel:?} {lobe:?}: {stated:?}"
         );
         assert_eq!(found.places, 400);
+        println!(
+            "{kernel:?} {lobe:?}: {stated:?}, {:.1} s",
+            start.elapsed().as_secs_f64()
+        );
         for k in 0..20 {
             let share = |step: f64| (0.31 + step * f64::from(k)).fract();
             let place = Viewpoint {

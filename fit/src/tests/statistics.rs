@@ -347,7 +347,7 @@ fn statistics_of_bent_edges() {
 #[test]
 #[ignore = "minutes: `make test` runs it"]
 fn statistics_of_uneven_light() {
-    const CAMPAIGNS: u64 = 180;
+    const CAMPAIGNS: u64 = 100;
     let ranges = Ranges {
         photographs: [2.0, 6.0],
         light: Some([0.01, 0.3]),
@@ -420,7 +420,7 @@ fn statistics_without_a_reference() {
 #[test]
 #[ignore = "minutes: `make test` runs it"]
 fn statistics_near_full_scale() {
-    const DRAWS: u64 = 200;
+    const DRAWS: u64 = 100;
     let draw = |seed: u64| {
         let mut stream = Stream(0xf011 << 20 | seed);
         let (a, c) = (stream.between(2.0, 6.0), stream.between(0.2, 0.5));

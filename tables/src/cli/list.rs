@@ -1,4 +1,4 @@
-//! Lists of numbers as a user types them: `0,5,10`, or `start:stop:step` with both ends.
+//! Numbers as a user types them, and lists of them: `0,5,10`, or `start:stop:step` with both ends.
 
 /// Largest number of values in a list.
 pub const LONGEST_LIST: usize = 10_000;
@@ -15,6 +15,15 @@ pub enum ListError {
     /// Range without values, or with more than [`LONGEST_LIST`].
     #[error("a range needs stop >= start and a step > 0 (at most {LONGEST_LIST} values)")]
     Range,
+}
+
+/// Reads one number.
+///
+/// # Errors
+/// Returns a message for clap if `text` is no number, or has a unit.
+pub fn number(text: &str) -> Result<f64, String> {
+    let read = text.trim().parse();
+    read.map_err(|_| "must be a number without a unit".to_owned())
 }
 
 /// Reads `0,5,10` or `start:stop:step`, in the order that was typed.
@@ -94,6 +103,16 @@ mod tests {
             }
         }
         assert_eq!(tried, 180);
+    }
+
+    #[test]
+    fn a_number_has_no_unit() {
+        assert_eq!(number("0.15"), Ok(0.15));
+        assert_eq!(number(" -1e-3"), Ok(-1e-3));
+        for text in ["0.15mm", "0.15 mm", "1,5", ""] {
+            let said = number(text).unwrap_err();
+            assert_eq!(said, "must be a number without a unit", "{text}");
+        }
     }
 
     #[test]

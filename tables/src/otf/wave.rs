@@ -59,7 +59,8 @@ pub enum NoWaves {
     #[error(
         "the wave kernel needs corner cubes with exact right angles, but those of the table \
         deviate the light at incidence {incidence_deg} deg; bake them without dihedral errors, or \
-        name another --kernel"
+        take the kernel angular, for a sheet given by hand with --a-times-r (about 2.8 c / \
+        wavelength) in place of the wavelength"
     )]
     NoPointReflection {
         /// Incidence, degrees.

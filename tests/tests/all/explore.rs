@@ -227,6 +227,9 @@ fn a_browser_shows_intervals_and_what_was_not_photographed() {
         assert!(remarks.contains("Outside of the photographs of the fit: distance"));
         assert!(remarks.contains("The kernels angular and wave let it grow"));
         assert!(found["spoken"].as_str().unwrap().ends_with(" mm"));
+        let typed = |k: usize| found["typed"][k].as_f64().unwrap();
+        assert_eq!((typed(0), typed(1)), (12.5, typed(2)));
+        assert!(typed(1) > 12.5 && typed(1) < 90.0, "{}", typed(1));
         windows += 1;
     }
     assert_eq!(windows, 4);

@@ -19,11 +19,18 @@ addEventListener("load", async () => {
   slider.dispatchEvent(new Event("input"));
   slider.dispatchEvent(new Event("change"));
   await new Promise((done) => setTimeout(done, 500));
+  // A typed number moves the slider, and is kept within its range.
+  const exact = document.getElementById("n-incidence");
+  const typed = ["12.5", "1e9", "none"].map((text) => {
+    exact.value = text;
+    exact.dispatchEvent(new Event("change"));
+    return Number(exact.value);
+  });
   const box = (e) => e.getBoundingClientRect();
   const wide = [...document.body.querySelectorAll("*")]
     .filter((e) => e.tagName !== "OPTION" && box(e).right > innerWidth + 0.5);
   const named = [...document.querySelectorAll("input, select, button")].filter(
-    (e) => !(e.labels?.length || e.textContent.trim()),
+    (e) => !(e.labels?.length || e.getAttribute("aria-label") || e.textContent.trim()),
   );
   const figures = {
     errors: ERRORS,
@@ -36,6 +43,7 @@ addEventListener("load", async () => {
     spoken: slider.getAttribute("aria-valuetext"),
     curves: document.querySelectorAll("#curves polyline").length,
     bands: document.querySelectorAll("#curves polygon").length,
+    typed,
     quick,
     images,
   };

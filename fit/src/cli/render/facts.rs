@@ -2,8 +2,6 @@
 
 use serde::Serialize;
 
-use crate::photographs::photo::picture::Picture;
-
 /// Least and greatest value over the image.
 pub(super) type Range = [f64; 2];
 
@@ -59,20 +57,6 @@ impl Report {
             span(self.incidence_deg, 1),
             self.exposure
         )
-    }
-}
-
-/// Returns the exposure that makes the brightest pixel of an image as bright as that of its source;
-/// 1 if the image is black.
-pub(super) fn automatic(source: &Picture, image: &Picture, ambient: f64) -> f64 {
-    let alike = source.peak_luminance() / (image.peak_luminance() + ambient);
-    // Blur mixes colours: a colour may then be brighter than any of the source, and be clipped.
-    let unclipped = source.peak() / (image.peak() + ambient);
-    let exposure = alike.min(unclipped);
-    if exposure.is_finite() && exposure > 0.0 {
-        exposure
-    } else {
-        1.0
     }
 }
 

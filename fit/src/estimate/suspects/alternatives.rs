@@ -18,7 +18,7 @@ const AZIMUTH_STEP_DEG: f64 = 10.0;
 const INDICES: [f64; 4] = [1.0, 1.49, 1.517, 1.586];
 
 impl Search<'_> {
-    /// Returns all alternatives.
+    /// Returns the mistakes of the manifest that are tried.
     pub(super) fn alternatives(&self) -> Vec<Alternative> {
         let mut stated = Vec::new();
         self.exchanged(&mut stated);
@@ -32,7 +32,6 @@ impl Search<'_> {
         let mut all: Vec<Alternative> = scenes.collect();
         self.decoded_otherwise(&mut all);
         self.alone(&mut all);
-        self.not_tried(&mut all);
         all
     }
 
@@ -321,38 +320,39 @@ impl Search<'_> {
         });
     }
 
-    /// Adds kernels and lobes that were not among the candidates.
-    fn not_tried(&self, all: &mut Vec<Alternative>) {
-        if self.fit.choice.kernel.is_baseline() {
-            return;
-        }
-        for shape in LobeShape::ALL {
-            for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe] {
-                let same = |own: Choice| {
-                    own.kernel == kernel && (own.shape == shape || !kernel.has_lobe())
-                };
-                if self.tried.iter().any(|row| same(row.choice)) {
-                    continue;
-                }
-                let shaped = if kernel.has_lobe() {
-                    format!(" --lobe {}", shape.name())
-                } else {
-                    String::new()
-                };
-                all.push(Alternative {
-                    choices: vec![Choice {
-                        kernel,
-                        shape,
-                        ..self.fit.choice
-                    }],
-                    cost: CLEAR,
-                    ..self.alternative(
-                        format!("the blur is that of --kernel {}{shaped}", kernel.name()),
-                        Vec::new(),
-                        self.scene.clone(),
-                    )
-                });
-            }
+    /// Returns the kernels and lobes that were not among the candidates.
+    pub(super) fn not_tried(&self) -> Vec<Alternative> {
+        let kernels = [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe];
+        let pairs = LobeShape::ALL.into_iter();
+        let mut pairs: Vec<_> = pairs
+            .flat_map(|shape| kernels.map(|kernel| (kernel, shape)))
+            .collect();
+        pairs.retain(|&(kernel, shape)| {
+            let same =
+                |own: Choice| own.kernel == kernel && (own.shape == shape || !kernel.has_lobe());
+            !self.tried.iter().any(|row| same(row.choice))
+        });
+        pairs
+            .into_iter()
+            .map(|(kernel, shape)| self.of_blur_by(kernel, shape))
+            .collect()
+    }
+
+    fn of_blur_by(&self, kernel: Kernel, shape: LobeShape) -> Alternative {
+        let shaped = if kernel.has_lobe() {
+            format!(" --lobe {}", shape.name())
+        } else {
+            String::new()
+        };
+        let what = format!("the blur is that of --kernel {}{shaped}", kernel.name());
+        Alternative {
+            choices: vec![Choice {
+                kernel,
+                shape,
+                ..self.fit.choice
+            }],
+            cost: CLEAR,
+            ..self.alternative(what, Vec::new(), self.scene.clone())
         }
     }
 }

@@ -167,6 +167,10 @@ function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
   const contrast = energy === null ? 1 : energy > 0 ? energy / (energy + 2 * ambient) : 0;
   const finest = contrast > threshold ? fallsTo(place, threshold / contrast) : 0;
   const half = fallsTo(place, 0.5);
+  // Letters of 5 minutes of arc are the smallest that normal sight reads.
+  const viewer = Math.max(0, Number($("viewer").value) || 0);
+  const eye = 1000 * viewer * Math.tan((5 / 60) * (Math.PI / 180));
+  const letter = Math.max(2.5 / finest, eye);
   // Bands by c need more mixtures where the blur depends on the scaling: they wait for a rest.
   plot($("curves"), place, finest, colour || data.scaling === "fixed");
   const facts = {
@@ -179,7 +183,7 @@ function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
     "fact-mtf50": half > 0 ? `${shown(half)} 1/mm` : "no contrast",
     "fact-letter":
       finest > 0
-        ? `${shown(2.5 / finest)} mm high`
+        ? `${shown(letter)} mm high${letter === eye ? ", by the viewer's eye" : ""}`
         : "none: no contrast above the threshold",
     "fact-exposure": `x ${shown(exposure)}`,
   };
@@ -234,13 +238,27 @@ function interval(own, place, light) {
 
 // ---- Controls.
 
-function outputOf(slider) {
-  const value = state[slider.key];
-  if (slider.unit !== "x fit") return `${shown(value)} ${slider.unit}`;
+// The value of a slider as a person reads and types it, and what stands behind it.
+function valueOf(slider) {
+  return slider.unit === "x fit" ? settings()[slider.key] : state[slider.key];
+}
+
+function unitOf(slider) {
+  if (slider.unit !== "x fit") return slider.unit;
   const name = slider.key === "c" ? data.size_name : slider.key === "mu" ? "mu" : data.spread_name;
-  const own = settings()[slider.key];
   const of = data.by_hand ? "given" : "fit";
-  return `${shown(own)}${UNITS_OF[name] ?? ""} (${shown(value)} x ${of})`;
+  return `${UNITS_OF[name] ?? ""} (${shown(state[slider.key])} x ${of})`.trim();
+}
+
+// Takes a typed value, as far as the range of its slider goes.
+function type(slider, text) {
+  const value = Number(text);
+  if (text.trim() !== "" && Number.isFinite(value)) {
+    const one = slider.unit === "x fit" ? valueOf(slider) / state[slider.key] : 1;
+    state[slider.key] = Math.max(slider.low, Math.min(slider.high, value / one));
+  }
+  sync();
+  refresh(true);
 }
 
 // Hatches the track of a slider where no photograph was taken, and marks the fitted value with its
@@ -269,12 +287,17 @@ function track(slider) {
 function addSlider(slider) {
   const row = document.createElement("div");
   row.className = "slider";
-  row.innerHTML = `<label for="s-${slider.key}"></label><output id="o-${slider.key}"></output>` +
+  row.innerHTML = `<label for="s-${slider.key}"></label><span class="exact">` +
+    `<input type="number" id="n-${slider.key}" step="any"> <output id="o-${slider.key}"></output>` +
+    `</span>` +
     `<span class="track" aria-hidden="true"><i></i></span>` +
     `<input type="range" id="s-${slider.key}" min="0" max="${STEPS}" step="1">`;
   row.querySelector("label").textContent = slider.label;
   $("sliders").append(row);
-  const input = row.querySelector("input");
+  const exact = row.querySelector(".exact input");
+  exact.setAttribute("aria-label", `${slider.label}, as a number`);
+  exact.addEventListener("change", () => type(slider, exact.value));
+  const input = row.querySelector("[type=range]");
   input.addEventListener("input", () => {
     state[slider.key] = valueAt(slider, Number(input.value));
     sync(false);
@@ -288,9 +311,10 @@ function sync(move = true) {
   for (const slider of SLIDERS) {
     const input = $(`s-${slider.key}`);
     if (move) input.value = position(slider, state[slider.key]);
-    const text = outputOf(slider);
-    $(`o-${slider.key}`).textContent = text;
-    input.setAttribute("aria-valuetext", text);
+    const [value, unit] = [shown(valueOf(slider)), unitOf(slider)];
+    $(`n-${slider.key}`).value = value;
+    $(`o-${slider.key}`).textContent = unit;
+    input.setAttribute("aria-valuetext", `${value} ${unit}`);
     const found = track(slider);
     const row = input.parentElement;
     row.classList.toggle("hatched", Boolean(slider.range));
@@ -359,7 +383,7 @@ async function begin() {
     event.preventDefault();
     take(event.dataTransfer.files[0]);
   });
-  for (const id of ["luminance", "ambient", "threshold"]) {
+  for (const id of ["luminance", "ambient", "threshold", "viewer"]) {
     $(id).addEventListener("input", () => refresh(true));
   }
   $("auto").addEventListener("change", () => refresh(true));

@@ -6,7 +6,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageFormat, Rgb, RgbImage};
 
 use crate::images::render::{uniform, uniform_psf};
-use crate::images::{Scale, UNWATCHED, Viewpoint};
+use crate::images::{Scale, UNWATCHED, Viewpoint, automatic};
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
 use crate::predict::Fitted;
@@ -50,10 +50,10 @@ pub(crate) fn figures(page: &Page) -> Option<String> {
     let source = source()?;
     let psf = uniform_psf(&sheet, &place, &scale).ok()?;
     let mut image = uniform(&source, &psf, UNWATCHED);
-    let exposure = source.peak_luminance() / image.peak_luminance();
-    if !exposure.is_finite() {
+    if image.peak_luminance() <= 0.0 {
         return None;
     }
+    let exposure = automatic(&source, &image, 0.0);
     image.expose(0.0, exposure);
     let width = significant(PITCH_MM * source.width as f64, 3);
     let known = match psf.energy {

@@ -14,6 +14,9 @@ const VISIBLE: f64 = 0.02;
 /// higher.
 const RESIDUALS: f64 = 4.0;
 
+/// Left side of both panels: the name of the axis and numbers such as -2000 stand before it.
+const LEFT: f64 = 52.0;
+
 /// Writes one figure per photograph, all with the same axes.
 pub(crate) fn section(page: &Page) -> String {
     let captures = &page.result.captures;
@@ -61,7 +64,7 @@ fn figure(capture: &CaptureResult, farthest: f64) -> String {
     let main = Panel {
         x,
         y: Axis::linear(0.0, 1.05),
-        frame: [36.0, 6.0, 276.0, 140.0],
+        frame: [LEFT, 6.0, 312.0 - LEFT, 140.0],
     };
     let intervals: Vec<(f64, [f64; 2])> = at(&curves.measured)
         .into_iter()
@@ -85,7 +88,7 @@ fn figure(capture: &CaptureResult, farthest: f64) -> String {
     let strip = Panel {
         x,
         y: Axis::linear(-1.05 * largest, 1.05 * largest),
-        frame: [36.0, 156.0, 276.0, 66.0],
+        frame: [LEFT, 156.0, 312.0 - LEFT, 66.0],
     };
     let band = crate::report::page::estimates::INTERVAL;
     let body = [
