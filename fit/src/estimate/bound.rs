@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::estimate::choice::Choice;
 use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::loss::Loss;
-use crate::estimate::optimum::{refined, rough, sum_of_squares_with};
+use crate::estimate::optimum::{refined, rough, sum_of_squares_with, tolerance_for};
 use crate::estimate::scene::Scene;
 use crate::estimate::select::{CLEAR, Selection};
 use crate::names::Kernel;
@@ -142,10 +142,12 @@ fn bound(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, rise: f64) -> Bou
 /// downwards (`way`). Returns `None` if it never rises so far.
 fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f64) -> Option<f64> {
     let start = &fit.solution.parameters;
+    // A hundredth of the rise moves the bound by half a hundredth of its distance.
+    let tolerance = tolerance_for(0.01 * rise, fit.chi2);
     // Compares the sum of squares with that of the fit, whose optimum may be flat at the vanishing
     // end.
     let risen = |x: f64, from: &DVector<f64>| {
-        let (squares, at) = sum_of_squares_with(scene, loss, fit.choice, from, i, x);
+        let (squares, at) = sum_of_squares_with(tolerance, scene, loss, fit.choice, from, i, x);
         (squares - fit.chi2 > rise, at)
     };
     // If nothing depends on a parameter, the solver may leave it anywhere. So the walk begins

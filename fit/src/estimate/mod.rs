@@ -75,7 +75,7 @@ pub(crate) use loss::Loss;
 pub(crate) use optimum::Optimum;
 #[cfg(test)]
 pub(crate) use optimum::residuals_at;
-pub(crate) use optimum::{refined, sum_of_squares_with};
+pub(crate) use optimum::{refined, sum_of_squares_with, tolerance_for};
 #[cfg(test)]
 pub(crate) use placed::{OtherIndex, Placed};
 #[cfg(test)]

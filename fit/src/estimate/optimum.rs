@@ -187,9 +187,19 @@ pub(crate) fn widened(scene: &Scene, loss: &Loss, from: &Optimum) -> Optimum {
     }
 }
 
+/// Returns the tolerance of a fit whose sum of squares, about `squares`, has to be right to `step`.
+pub(crate) fn tolerance_for(step: f64, squares: f64) -> f64 {
+    // A coarser fit ends in the valleys of a model that does not fit, far from the least sum.
+    const COARSEST: f64 = 1e-7;
+    (step / squares).clamp(CONVERGED, COARSEST)
+}
+
 /// Finds the least sum of squares with parameter `fixed` held at `value`, a point of the profile
 /// likelihood. Returns it with the parameters there.
+///
+/// The search ends when parameters and sum of squares change by less than the share `tolerance`.
 pub(crate) fn sum_of_squares_with(
+    tolerance: f64,
     scene: &Scene,
     loss: &Loss,
     choice: Choice,
@@ -207,7 +217,7 @@ pub(crate) fn sum_of_squares_with(
     if free.is_empty() {
         return (evaluate(&free).0.norm_squared(), with(&free));
     }
-    let solution = least_squares(free, CONVERGED, evaluate);
+    let solution = least_squares(free, tolerance, evaluate);
     (solution.sum_of_squares(), with(&solution.parameters))
 }
 

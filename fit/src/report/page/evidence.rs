@@ -5,8 +5,8 @@
 
 use crate::estimate::Bound;
 use crate::estimate::Estimated;
-use crate::estimate::sum_of_squares_with;
 use crate::estimate::{Kind, Loss};
+use crate::estimate::{sum_of_squares_with, tolerance_for};
 use crate::names::{ParameterId, ParameterKind};
 
 /// Greatest number of parameters with a profile: the first ones, if a campaign has many angles.
@@ -83,6 +83,8 @@ fn profile(estimated: &Estimated, loss: &Loss, i: usize) -> LikelihoodProfile {
         Some((None, None)) => [estimate - 2.0, estimate + 2.0],
     };
     let middle = estimate.clamp(low, high);
+    // A thousandth of a unit cannot be seen in the plot.
+    let tolerance = tolerance_for(1e-3 * unit, fit.chi2);
     let mut points = Vec::with_capacity(2 * SIDE + 1);
     // The points go outwards on both sides. The other parameters start at the values to which the
     // last two points lead.
@@ -91,7 +93,8 @@ fn profile(estimated: &Estimated, loss: &Loss, i: usize) -> LikelihoodProfile {
         let mut from = last.clone();
         for k in first..=SIDE {
             let x = middle + (end - middle) * k as f64 / SIDE as f64;
-            let (squares, next) = sum_of_squares_with(scene, loss, fit.choice, &from, i, x);
+            let (squares, next) =
+                sum_of_squares_with(tolerance, scene, loss, fit.choice, &from, i, x);
             points.push([x.exp(), (squares - fit.chi2) / unit]);
             from = 2.0 * &next - &last;
             last = next;
