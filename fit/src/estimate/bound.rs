@@ -147,7 +147,7 @@ fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f6
     // Compares the sum of squares with that of the fit, whose optimum may be flat at the vanishing
     // end.
     let risen = |x: f64, from: &DVector<f64>| {
-        let (squares, at) = sum_of_squares_with(tolerance, scene, loss, fit.choice, from, i, x);
+        let (squares, at) = sum_of_squares_with(tolerance, scene, loss, fit.choice, from, (i, x));
         (squares - fit.chi2 > rise, at)
     };
     // If nothing depends on a parameter, the solver may leave it anywhere. So the walk begins

@@ -204,8 +204,7 @@ pub(crate) fn sum_of_squares_with(
     loss: &Loss,
     choice: Choice,
     from: &DVector<f64>,
-    fixed: usize,
-    value: f64,
+    (fixed, value): (usize, f64),
 ) -> (f64, DVector<f64>) {
     let layout = Layout::new(choice, scene.groups.len());
     let with = |free: &DVector<f64>| free.clone().insert_row(fixed, value);

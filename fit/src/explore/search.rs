@@ -96,7 +96,7 @@ pub(crate) fn grid(
             true => None,
             false => {
                 let one = |sheet, axis| error(sheet, &along(sheet, &grid, span, axis));
-                let along = |axis| Ok(goal(sheet, one(sheet, axis)?.or(one(&sharpest, axis)?)));
+                let along = |axis| Ok(one(sheet, axis)?.or(one(&sharpest, axis)?).larger());
                 let errors = AXES
                     .map(along)
                     .into_iter()

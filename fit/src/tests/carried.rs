@@ -69,7 +69,7 @@ fn chi_square_rises_by_2_7055_at_a_bound() {
             assert!(residuals == whole || unit > 3.0, "{unit}");
             let rise = |x: f64| {
                 let from = &fit.solution.parameters;
-                let (squares, _) = sum_of_squares_with(1e-10, &scene, &loss, SHARED, from, i, x);
+                let (squares, _) = sum_of_squares_with(1e-10, &scene, &loss, SHARED, from, (i, x));
                 (squares - fit.chi2) / unit
             };
             let (inside, outside) = (rise(at - 0.01 * way), rise(at));

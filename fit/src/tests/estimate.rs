@@ -180,7 +180,7 @@ fn bound_is_conditional(scene: &Scene, selection: &Selection, id: ParameterId, a
     let below = |x: f64| 0.5 * libm::erfc(-x / std::f64::consts::SQRT_2);
     let share = |x: f64| {
         let from = &fit.solution.parameters;
-        let (squares, _) = sum_of_squares_with(1e-10, scene, loss, both, from, i, x);
+        let (squares, _) = sum_of_squares_with(1e-10, scene, loss, both, from, (i, x));
         let rise = (squares - fit.chi2).max(0.0).sqrt();
         below(-rise) / below((threshold - found).max(0.1) - rise)
     };
@@ -440,7 +440,7 @@ fn a_lost_c_is_found_again_by_the_pixels() {
         let loss = Loss::new(Kind::Edge, &scene, (SHARED, at));
         let mut lost = near.clone();
         lost.solution.parameters =
-            sum_of_squares_with(1e-10, &scene, &Loss::Mtf(&scene), SHARED, at, 0, -14.0).1;
+            sum_of_squares_with(1e-10, &scene, &Loss::Mtf(&scene), SHARED, at, (0, -14.0)).1;
         let [right, found] =
             [near, lost].map(|start| estimate(&scene, &loss, refined(&scene, &loss, start)));
         for (right, found) in right.values().zip(found.values()) {

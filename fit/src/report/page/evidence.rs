@@ -94,7 +94,7 @@ fn profile(estimated: &Estimated, loss: &Loss, i: usize) -> LikelihoodProfile {
         for k in first..=SIDE {
             let x = middle + (end - middle) * k as f64 / SIDE as f64;
             let (squares, next) =
-                sum_of_squares_with(tolerance, scene, loss, fit.choice, &from, i, x);
+                sum_of_squares_with(tolerance, scene, loss, fit.choice, &from, (i, x));
             points.push([x.exp(), (squares - fit.chi2) / unit]);
             from = 2.0 * &next - &last;
             last = next;
