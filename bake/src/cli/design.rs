@@ -63,7 +63,8 @@ pub(crate) struct DesignArgs {
         long,
         value_name = "E1,E2,E3",
         value_delimiter = ',',
-        allow_negative_numbers = true,
+        value_parser = number,
+        allow_hyphen_values = true,
         help_heading = heading::IMPERFECT
     )]
     pub(crate) dihedral_error_mrad: Vec<f64>,

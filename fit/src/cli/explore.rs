@@ -17,7 +17,7 @@ use crate::explore::{self, Explorer, Source, Span, Start};
 use crate::photographs::photo;
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
-use crate::predict::Fitted;
+use crate::predict::{Fitted, near};
 use crate::result::ResultFile;
 
 /// Writes a page in which you move sliders and see the mid-air image at once.
@@ -240,12 +240,14 @@ pub(super) fn made(
     step: &(dyn Fn(usize) + Sync),
 ) -> Result<Made, Failure> {
     let mut warnings = sheet.result.warnings.clone();
+    let span = arguments.span(sheet.result)?;
+    warnings.extend(near(span.distance_mm[0]));
     if let Some((_, picture)) = source {
         warnings.extend(picture.warnings.iter().cloned());
     }
     let explorer = Explorer {
         sheet,
-        span: arguments.span(sheet.result)?,
+        span,
         start: arguments.start(sheet.table)?,
         title,
         source: source.map(|(file, picture)| embedded(file, picture)),

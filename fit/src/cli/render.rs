@@ -456,9 +456,6 @@ fn range<T>(all: &[T], value: impl Fn(&T) -> f64) -> Range {
     })
 }
 
-/// Distance below which a mid-air image is not seen apart from its sheet, mm.
-const NEAR_MM: f64 = 10.0;
-
 fn warnings(source: &Picture, seen: &Seen, table: &Table) -> Vec<String> {
     let mut warnings = source.warnings.clone();
     let spots = &seen.spots;
@@ -470,12 +467,6 @@ fn warnings(source: &Picture, seen: &Seen, table: &Table) -> Vec<String> {
     };
     if source.peak() <= 0.0 {
         warnings.push("the source has no light: all of its pixels are black".into());
-    }
-    let [nearest, _] = range(spots, |spot| spot.place.r_mm);
-    if nearest < NEAR_MM {
-        warnings.push(format!(
-            "the image floats {nearest} mm from the sheet; distances are in mm"
-        ));
     }
     if spots.iter().any(|spot| spot.energy.is_none()) {
         warnings.push(

@@ -260,6 +260,10 @@ struct Fitted {
     sampled: Option<Scene>,
 }
 
+/// Factor on the standard errors above which no bound is computed: the likelihood of a model that is
+/// so far from the photographs says nothing of where a number lies. This is a convention.
+const UNBOUNDED: f64 = 10.0;
+
 /// Chooses the terms, bounds undetermined parameters, and fits by the loss and the forward model of
 /// the options.
 fn fitted(
@@ -275,8 +279,11 @@ fn fitted(
     let selection = select(scene, telling, candidates, watch)?;
     let telling = goodness::of(scene, &selection.loss, &selection.best);
     let unit = telling.scale.powi(2);
-    let mut bounds = bounds(scene, &selection.loss, &selection.best, unit);
-    bounds.extend(absent(scene, &selection, unit));
+    let mut found = Bounds::new();
+    if telling.scale <= UNBOUNDED {
+        found = bounds(scene, &selection.loss, &selection.best, unit);
+        found.extend(absent(scene, &selection, unit));
+    }
     let Selection {
         best,
         compared,
@@ -309,7 +316,7 @@ fn fitted(
     Ok(Fitted {
         best,
         compared,
-        bounds,
+        bounds: found,
         goodness,
         near,
         sampled,

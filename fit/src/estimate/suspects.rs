@@ -157,6 +157,8 @@ impl Search<'_> {
             light.extend(self.of_light());
         }
         light.sort_by(|a, b| a.chi2_if_so.total_cmp(&b.chi2_if_so));
+        let least = light.first().map_or(0.0, |best| best.chi2_if_so);
+        light.retain(|own| own.chi2_if_so - least <= SURE.max(least));
         Ok(light)
     }
 

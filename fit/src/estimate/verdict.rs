@@ -107,9 +107,9 @@ fn misfit(goodness: &Goodness, suspects: &[Suspect], baseline: bool) -> Option<S
         Verdict::Good => None,
         Verdict::Strained if of_blur <= 1.0 => {
             let remedy = if said.is_empty() {
-                "check the exposures, and that the lamp is steady".to_owned()
+                "Check the exposures, and that the lamp is steady".to_owned()
             } else {
-                format!("they would agree if {said}; check also that the lamp is steady")
+                format!("They would agree if {said}. Check also that the lamp is steady")
             };
             Some(format!(
                 "the fit is {verdict}: the photographs disagree on mu by more than their noise. \

@@ -8,10 +8,18 @@ use crate::predict::error::Error;
 use crate::predict::sheet::Fitted;
 use crate::result::{Domain, ResultFile};
 
-/// Remark about a lobe that is taken to another distance.
-const ONE_LOBE: &str = "the kernel eq1 takes the blur by diffraction as the same at every \
-    distance; the kernels angular and wave let it grow, and photographs at two distances tell \
-    which of them holds";
+/// Returns a remark about a lobe that is taken to another distance than those of the photographs.
+fn one_lobe([near, far]: [f64; 2]) -> String {
+    let seen = if near == far {
+        "; photographs at two distances tell which of them holds".to_owned()
+    } else {
+        format!(". Photographs from {near} to {far} mm chose eq1; beyond them nothing was measured")
+    };
+    format!(
+        "the kernel eq1 takes the blur by diffraction as the same at every distance; the kernels \
+        angular and wave let it grow{seen}"
+    )
+}
 
 /// Incidence, azimuth and distance at which a point of the mid-air image is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +30,15 @@ pub(crate) struct Viewpoint {
     pub azimuth_deg: Option<f64>,
     /// Distance R: optical path from the sheet to the image, mm.
     pub r_mm: f64,
+}
+
+/// Distance below which a mid-air image is not seen apart from its sheet, mm.
+const NEAR_MM: f64 = 10.0;
+
+/// Returns a remark if an image floats so near to its sheet that its distance may be in m or cm.
+pub(crate) fn near(r_mm: f64) -> Option<String> {
+    (r_mm < NEAR_MM)
+        .then(|| format!("the image floats {r_mm} mm from the sheet; distances are in mm"))
 }
 
 /// Relative difference up to which two numbers count as one: they went through text.
@@ -94,6 +111,8 @@ pub(crate) fn remarks(
     } else {
         own.map(|w| format!("the result warns: {w}")).collect()
     };
+    let nearest = places.iter().map(|place| place.r_mm);
+    remarks.extend(near(nearest.fold(f64::INFINITY, f64::min)));
     match &result.domain {
         None if result.is_by_hand() => {}
         None => remarks.push(
@@ -105,7 +124,7 @@ pub(crate) fn remarks(
             remarks.extend(beyond(domain, table, places));
             let range = domain.floating_distance_mm;
             if result.kernel == Kernel::Eq1 && places.iter().any(|p| !holds(range, p.r_mm)) {
-                remarks.push(ONE_LOBE.into());
+                remarks.push(one_lobe(range));
             }
         }
     }

@@ -60,7 +60,7 @@ pub enum NoWaves {
         "the wave kernel needs corner cubes with exact right angles, but those of the table \
         deviate the light at incidence {incidence_deg} deg; bake them without dihedral errors, or \
         take the kernel angular, for a sheet given by hand with --a-times-r (about 2.8 c / \
-        wavelength) in place of the wavelength"
+        wavelength: 764 for 0.15 mm and 550 nm) in place of the wavelength"
     )]
     NoPointReflection {
         /// Incidence, degrees.

@@ -125,7 +125,7 @@ impl Search<'_> {
         let side = if worst > 0.0 { "small" } else { "large" };
         let (what, captures) = if let [a, b] = &beside[..] {
             (
-                format!("the exposure of {a} or that of {b} is another"),
+                format!("the exposure of {a} or that of {b} is wrong"),
                 beside,
             )
         } else {

@@ -54,6 +54,8 @@ const UNITS_OF = { c_mm: " mm", a_per_mm: " 1/mm" };
 const SLIDERS = sliders();
 const state = Object.fromEntries(SLIDERS.map(({ key, value }) => [key, value]));
 const STEPS = 1000;
+// Boxes of numbers that no slider has.
+const BOXES = ["luminance", "ambient", "threshold", "viewer"];
 
 function position({ low, high, log }, value) {
   const share = log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
@@ -143,7 +145,14 @@ function paint(colour) {
   const ambient = light > 0 ? (Number($("ambient").value) || 0) / light : 0;
   const brightest = planes.length === 3 ? brightestOf(planes) : peak(planes[0]);
   const auto = $("auto").checked && brightest + ambient > 0;
-  const exposure = auto ? picture.white / (brightest + ambient) : 1;
+  // Blur mixes colours: a colour may then be brighter than any of the source, and be clipped.
+  const alike = picture.white / (brightest + ambient);
+  if (colour) {
+    const unclipped = picture.most / (Math.max(...planes.map(peak)) + ambient);
+    picture.darker = alike > 0 ? Math.min(1, unclipped / alike) : 1;
+  }
+  // While a slider moves there is no colour to look at: the last one counts.
+  const exposure = auto ? alike * (picture.darker ?? 1) : 1;
   draw($("aerial"), planes, picture.width, picture.height, exposure, ambient);
   say(own, place, { width, pitch, exposure, light, ambient, colour });
 }
@@ -183,12 +192,12 @@ function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
     "fact-mtf50": half > 0 ? `${shown(half)} 1/mm` : "no contrast",
     "fact-letter":
       finest > 0
-        ? `${shown(letter)} mm high${letter === eye ? ", by the viewer's eye" : ""}`
+        ? letterText(letter, eye, viewer, height)
         : "none: no contrast above the threshold",
     "fact-exposure": `x ${shown(exposure)}`,
   };
   for (const [id, text] of Object.entries(facts)) $(id).textContent = text;
-  const remarks = [];
+  const remarks = note ? [note] : [];
   if (!place.returns) remarks.push("Nothing returns in this direction: the image is black.");
   if (width > state.width * 1.0001) {
     remarks.push(`The picture is shown ${shown(width)} mm wide: at ${shown(state.width)} mm its ` +
@@ -200,8 +209,12 @@ function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
       "measured there.");
   }
   if (data.kernel === "eq1" && left.some((text) => text.startsWith("distance"))) {
+    const [near, far] = data.domain.floating_distance_mm;
     remarks.push("The kernel eq1 takes the blur as the same at every distance. The kernels " +
-      "angular and wave let it grow. Photographs at two distances tell which of them holds.");
+      "angular and wave let it grow. " + (near === far
+        ? "Photographs at two distances tell which of them holds."
+        : `Photographs from ${shown(near)} to ${shown(far)} mm chose eq1; beyond them nothing ` +
+          "was measured."));
   }
   if (data.misfit[0] > data.goal * 3) {
     const share = shown(100 * data.misfit[0]);
@@ -214,6 +227,14 @@ function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
   list($("remarks"), remarks);
   $("aerial").setAttribute("aria-label", `Mid-air image, ${facts["fact-size"]}, ` +
     `${shown(own.distance)} mm from the sheet, incidence ${shown(own.incidence)} degrees`);
+}
+
+// What limits the smallest letter: the blur, the eye, or the picture itself.
+function letterText(letter, eye, viewer, height) {
+  if (letter > height) return `none: it would be ${shown(letter)} mm high`;
+  const least = `${shown(letter)} mm high`;
+  if (letter === eye) return `${least}, limited by the eye at ${shown(viewer)} m`;
+  return `${least}, limited by the blur (by the eye at ${shown(viewer)} m: ${shown(eye)} mm)`;
 }
 
 // Fills a list with sentences.
@@ -250,12 +271,21 @@ function unitOf(slider) {
   return `${UNITS_OF[name] ?? ""} (${shown(state[slider.key])} x ${of})`.trim();
 }
 
+// Sentence about the last typed value; empty if it was taken as it was.
+let note = "";
+
 // Takes a typed value, as far as the range of its slider goes.
 function type(slider, text) {
   const value = Number(text);
+  note = "";
   if (text.trim() !== "" && Number.isFinite(value)) {
     const one = slider.unit === "x fit" ? valueOf(slider) / state[slider.key] : 1;
     state[slider.key] = Math.max(slider.low, Math.min(slider.high, value / one));
+    if (state[slider.key] !== value / one) {
+      const [low, high] = [slider.low, slider.high].map((end) => shown(end * one));
+      note = `${slider.label}: ${text} is outside of ${low} to ${high}, and is shown as ` +
+        `${shown(valueOf(slider))}.`;
+    }
   }
   sync();
   refresh(true);
@@ -299,6 +329,7 @@ function addSlider(slider) {
   exact.addEventListener("change", () => type(slider, exact.value));
   const input = row.querySelector("[type=range]");
   input.addEventListener("input", () => {
+    note = "";
     state[slider.key] = valueAt(slider, Number(input.value));
     sync(false);
     refresh(false);
@@ -330,6 +361,7 @@ function sync(move = true) {
 // Writes the settings into the part of the address behind #, so that a link leads back to them.
 function remember() {
   const parts = SLIDERS.map(({ key }) => `${key}=${Number(state[key].toPrecision(6))}`);
+  parts.push(...BOXES.map((id) => `${id}=${Number($(id).value) || 0}`));
   const fragment = parts.join("&");
   try {
     history.replaceState(null, "", `#${fragment}`);
@@ -343,6 +375,7 @@ function fromAddressBar() {
   for (const [key, text] of new URLSearchParams(location.hash.slice(1))) {
     const slider = SLIDERS.find((one) => one.key === key);
     const value = Number(text);
+    if (BOXES.includes(key) && Number.isFinite(value)) $(key).value = value;
     if (slider && Number.isFinite(value)) {
       state[key] = Math.max(slider.low, Math.min(slider.high, value));
     }
@@ -383,7 +416,7 @@ async function begin() {
     event.preventDefault();
     take(event.dataTransfer.files[0]);
   });
-  for (const id of ["luminance", "ambient", "threshold", "viewer"]) {
+  for (const id of BOXES) {
     $(id).addEventListener("input", () => refresh(true));
   }
   $("auto").addEventListener("change", () => refresh(true));

@@ -19,7 +19,8 @@ function pictureOf(canvas) {
   });
   const [r, g, b] = planes;
   const luminance = r.map((v, i) => 0.2126 * v + 0.7152 * g[i] + 0.0722 * b[i]);
-  return { width, height, canvas, planes, luminance, codes, white: peak(luminance) };
+  const [white, most] = [peak(luminance), Math.max(...planes.map(peak))];
+  return { width, height, canvas, planes, luminance, codes, white, most };
 }
 
 function peak(plane) {

@@ -60,16 +60,17 @@ pub(crate) enum Fault {
     Sheet(#[from] Error),
     /// Blur that reaches too many pixels.
     #[error(
-        "the blur at incidence {incidence_deg} deg, distance {r_mm} mm reaches {reach} pixels, \
-        more than {LARGEST}; give a larger --pixel-pitch and a smaller picture"
+        "the blur at incidence {incidence_deg} deg, distance {r_mm} mm is {size} pixels wide, and \
+        at most {LARGEST} are computed; reduce the picture to fewer pixels of the same --width, \
+        which loses nothing under such a blur, or give a larger --pixel-pitch"
     )]
     Wide {
         /// Incidence, degrees.
         incidence_deg: f64,
         /// Distance R from the sheet to the image, mm.
         r_mm: f64,
-        /// Pixels that the blur reaches on either side.
-        reach: usize,
+        /// Width of the blur, pixels.
+        size: usize,
     },
 }
 
@@ -111,7 +112,7 @@ impl Psf {
                 return Err(Fault::Wide {
                     incidence_deg: place.incidence_deg,
                     r_mm: place.r_mm,
-                    reach: reach[0].max(reach[1]),
+                    size: size[0].max(size[1]),
                 });
             }
             let otf = |x: f64, y: f64| spot.otf([a * x + c * y, b * x + d * y]);

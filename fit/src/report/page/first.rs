@@ -4,7 +4,7 @@ use crate::estimate::Verdict;
 use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::curves::farthest;
 use crate::report::page::estimates;
-use crate::report::page::markup::{count, significant};
+use crate::report::page::markup::{count, escape, significant};
 use crate::report::page::photographs;
 use crate::report::page::shown::Page;
 use crate::result::{CaptureResult, FitResult};
@@ -44,12 +44,23 @@ pub(crate) const fn said(verdict: Verdict) -> &'static str {
     }
 }
 
-/// Writes the verdict in one sentence.
+/// Writes the verdict in one sentence, and the best suspect in another.
 fn verdict(fit: &FitResult) -> String {
+    let of_blur = fit.verdict == Verdict::Strained && fit.scale <= 1.0;
+    let said = if of_blur {
+        "describes the blur within its noise, but the photographs disagree on mu"
+    } else {
+        said(fit.verdict)
+    };
+    let suspect = match fit.suspects.first() {
+        Some(first) if fit.verdict != Verdict::Good => {
+            format!(" Perhaps {}.", escape(&first.what))
+        }
+        _ => String::new(),
+    };
     format!(
         "<p class=\"verdict\">The fit is <strong class=\"{verdict}\">{verdict}</strong>: the model \
-         {}.</p>\n",
-        said(fit.verdict),
+         {said}.{suspect}</p>\n",
         verdict = fit.verdict.name(),
     )
 }
