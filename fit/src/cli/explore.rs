@@ -17,7 +17,7 @@ use crate::explore::{self, Explorer, Source, Span, Start};
 use crate::photographs::photo;
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
-use crate::predict::{Fitted, near};
+use crate::predict::Fitted;
 use crate::result::ResultFile;
 
 /// Writes a page in which you move sliders and see the mid-air image at once.
@@ -146,6 +146,9 @@ pub(crate) struct Arguments {
 /// Shortest distance of the slider without photographs, mm.
 const NEAREST_MM: f64 = 100.0;
 
+/// Shortest distance that a page can have, mm: nearer, an image is not seen apart from its sheet.
+const CLOSEST_MM: f64 = 10.0;
+
 /// Longest distance of the slider at least, mm: that of a large stage.
 const FARTHEST_MM: f64 = 3000.0;
 
@@ -241,7 +244,6 @@ pub(super) fn made(
 ) -> Result<Made, Failure> {
     let mut warnings = sheet.result.warnings.clone();
     let span = arguments.span(sheet.result)?;
-    warnings.extend(near(span.distance_mm[0]));
     if let Some((_, picture)) = source {
         warnings.extend(picture.warnings.iter().cloned());
     }
@@ -301,11 +303,12 @@ impl Arguments {
     /// Returns the ranges of the sliders.
     ///
     /// # Errors
-    /// Returns [`Failure::Usage`] if the nearest distance is not below the farthest one.
+    /// Returns [`Failure::Usage`] if the nearest distance is below 10 mm, or not below the farthest
+    /// one.
     fn span(&self, result: &ResultFile) -> Result<Span, Failure> {
         let photographed = result.domain.map(|domain| domain.floating_distance_mm);
         let [near, far] = match photographed {
-            Some([near, far]) => [0.5 * near, FARTHEST_MM.max(2.0 * far)],
+            Some([near, far]) => [(0.5 * near).max(CLOSEST_MM), FARTHEST_MM.max(2.0 * far)],
             None => [NEAREST_MM, FARTHEST_MM],
         };
         let [near, far] = match self.distance {
@@ -313,6 +316,14 @@ impl Arguments {
             None => [near, far],
         };
         let distance_mm = [self.nearest.unwrap_or(near), self.farthest.unwrap_or(far)];
+        if distance_mm[0] < CLOSEST_MM {
+            let message = format!(
+                "the page would begin {} mm from the sheet; distances are in mm, from {CLOSEST_MM} \
+                mm on",
+                distance_mm[0]
+            );
+            return Err(Failure::conflict("fit explore", message));
+        }
         if distance_mm[0] >= distance_mm[1] {
             let message = format!(
                 "the nearest distance, {} mm, is not below the farthest, {} mm; give --nearest or \

@@ -324,11 +324,15 @@ fn csv(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
         let luminance = p.luminance.map_or(String::new(), |l| format!("{l:.6}"));
         let luminances = ends(p.luminance_interval.as_ref());
         let outside = p.outside.join(" ");
-        for (i, f) in frequency_per_mm.iter().enumerate() {
+        for (i, &f) in frequency_per_mm.iter().enumerate() {
+            let frequency = match f {
+                0.001.. | 0.0 => format!("{f:.6}"),
+                _ => format!("{f:e}"),
+            };
             let mtf = p.mtf.get(i).map_or(String::new(), |m| format!("{m:.6}"));
             let _ = writeln!(
                 text,
-                "{},{},{azimuth},{axis},{:.6},{luminance},{f:.6},{mtf},{luminances},{},{outside}",
+                "{},{},{azimuth},{axis},{:.6},{luminance},{frequency},{mtf},{luminances},{},{outside}",
                 p.floating_distance_mm,
                 p.incidence_deg,
                 p.retroreflected,

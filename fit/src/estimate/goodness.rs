@@ -117,6 +117,8 @@ pub struct Goodness {
     pub verdict: Verdict,
     /// Photograph with the largest misfit.
     pub worst: Option<Worst>,
+    /// Numbers of the photographs, the one with the largest misfit first.
+    pub(crate) worst_first: Vec<usize>,
 }
 
 /// Photograph with the largest misfit.
@@ -157,10 +159,14 @@ pub(crate) fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
         .iter()
         .map(|own| chance::of_squares(own.squares, own.freedom))
         .collect();
-    let worst = (0..own.len()).min_by(|&a, &b| {
+    let mut worst_first: Vec<usize> = (0..own.len()).collect();
+    worst_first.sort_by(|&a, &b| {
         let by_reduced = || remainders[b].reduced().total_cmp(&remainders[a].reduced());
         own[a].total_cmp(&own[b]).then_with(by_reduced)
     });
+    let worst = worst_first.first().copied();
+    // The reference comes after the photographs, and is none of them.
+    worst_first.retain(|&i| i < scene.shots.len());
     let least = worst.map_or(1.0, |worst| own[worst]);
     let chances = Chances {
         chi2: chance::of_squares(fit.chi2, degrees_of_freedom),
@@ -186,6 +192,7 @@ pub(crate) fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
                 reduced_chi2: remainders[worst].reduced(),
             }
         }),
+        worst_first,
     };
     let misfit = || {
         let left_out = LeftOut::all(scene, loss, &layout, fit);

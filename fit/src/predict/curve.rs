@@ -90,6 +90,9 @@ pub(crate) struct Derived {
 /// First and last frequency at which a crossing is looked for, 1/mm.
 const SEARCHED_PER_MM: [f64; 2] = [1e-5, 1e5];
 
+/// Frequency below which no crossing is looked for, 1/mm: that of a blur of a million km.
+const LEAST_PER_MM: f64 = 1e-12;
+
 /// Ratio of neighbouring frequencies of the search. An MTF changes over a frequency that is
 /// comparable with that of its crossing, 50 of these steps.
 const STEP: f64 = 1.02;
@@ -131,7 +134,14 @@ impl Curve<'_> {
     /// Finds the frequency (1/mm) at which the MTF first falls to `level`, to 1e-12 of itself, with
     /// its derivatives. Returns `None` if the MTF does not fall so far below 1e5 /mm.
     pub(crate) fn falls_to(&self, level: f64) -> Option<Derived> {
-        let [first, last] = SEARCHED_PER_MM;
+        let [mut first, last] = SEARCHED_PER_MM;
+        // A very wide blur falls even before.
+        while self.mtf(first) <= level {
+            first *= 0.1;
+            if first < LEAST_PER_MM {
+                return None;
+            }
+        }
         let (mut low, mut high) = (first, first);
         while self.mtf(high) > level {
             if high > last {

@@ -36,7 +36,7 @@ pub(crate) struct Viewpoint {
 const NEAR_MM: f64 = 10.0;
 
 /// Returns a remark if an image floats so near to its sheet that its distance may be in m or cm.
-pub(crate) fn near(r_mm: f64) -> Option<String> {
+fn near(r_mm: f64) -> Option<String> {
     (r_mm < NEAR_MM)
         .then(|| format!("the image floats {r_mm} mm from the sheet; distances are in mm"))
 }

@@ -62,9 +62,12 @@ impl<'a> Uncertainty<'a> {
 
     /// Returns the standard error of a number with the given derivatives by spread, c and mu.
     ///
-    /// It is `None` if the covariance has no finite entry for a parameter on which the number
+    /// It is `None` without a covariance, and if that has no finite entry for a parameter on which the number
     /// depends.
     fn standard_error(&self, by: [f64; 3]) -> Option<f64> {
+        if self.matrix.is_empty() {
+            return None;
+        }
         let mut gradient = vec![0.0; self.matrix.len()];
         for (by, rows) in by.into_iter().zip(&self.rows) {
             if by != 0.0 {

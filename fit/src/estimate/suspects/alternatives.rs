@@ -94,6 +94,20 @@ impl Search<'_> {
         shots.position(|shot| shot.image == *worst)
     }
 
+    /// Returns pairs of photographs that may have been exchanged: the worst one with each other one,
+    /// and the worst few among themselves. A wrong photograph spoils the fit of others at its
+    /// incidence, so the worst one need not be a wrong one.
+    fn pairs(&self) -> Vec<[usize; 2]> {
+        const FEW: usize = 5;
+        let order = &self.goodness.worst_first;
+        let pairs = (0..order.len().min(FEW)).flat_map(|i| {
+            let last = if i == 0 { order.len() } else { FEW };
+            let others = order.iter().take(last).skip(i + 1);
+            others.map(move |&other| [order[i], other])
+        });
+        pairs.collect()
+    }
+
     fn alternative(&self, what: String, captures: Vec<String>, scene: Scene) -> Alternative {
         Alternative {
             what,
@@ -119,7 +133,7 @@ impl Search<'_> {
         }
     }
 
-    /// Adds exchanged incidences: of two angles, and of the worst photograph and another one. Where
+    /// Adds exchanged incidences: of two angles, and of two photographs. Where
     /// all photographs have one incidence, those of the table take its place.
     pub(super) fn exchanged<'s>(&'s self, all: &mut Vec<Otherwise<'s>>) {
         let scene = self.scene;
@@ -153,24 +167,25 @@ impl Search<'_> {
                 self.add(all, what, &placed, None);
             }
         }
-        let Some(worst) = self.worst().map(|i| &scene.shots[i]) else {
-            return;
-        };
-        for other in &scene.shots {
+        for [one, other] in self.pairs() {
+            let (one, other) = (&scene.shots[one], &scene.shots[other]);
             let placed = |shot: &Aerial| Placed {
                 incidence_deg: match &shot.image {
-                    image if *image == worst.image => other.incidence_deg,
-                    image if *image == other.image => worst.incidence_deg,
+                    image if *image == one.image => other.incidence_deg,
+                    image if *image == other.image => one.incidence_deg,
                     _ => shot.incidence_deg,
                 },
                 ..shot.placed()
             };
             let what = format!(
                 "the incidences of {} ({} deg) and {} ({} deg) are exchanged",
-                worst.image, worst.incidence_deg, other.image, other.incidence_deg
+                one.image, one.incidence_deg, other.image, other.incidence_deg
             );
             self.add(all, what, &placed, None);
         }
+        let Some(worst) = self.worst().map(|i| &scene.shots[i]) else {
+            return;
+        };
         for &deg in &scene.groups {
             let what = format!("the incidence of {} is {deg} deg", worst.image);
             self.add_one(all, what, &worst.image, &|placed| {

@@ -186,7 +186,7 @@ function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
     "fact-size": `${shown(pitch * picture.width)} x ${shown(height)} mm`,
     "fact-luminance":
       energy === null
-        ? "not known: the result has no mu"
+        ? `not known: ${data.by_hand ? "mu was not given" : "the result has no mu"}`
         : `${shown(energy * light)}${interval(own, place, light)} cd/m\u00b2, ` +
           `${shown(100 * energy)} % of the source`,
     "fact-mtf50": half > 0 ? `${shown(half)} 1/mm` : "no contrast",

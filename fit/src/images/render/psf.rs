@@ -107,13 +107,18 @@ impl Psf {
             }
             // One more pixel for the width of the squares, and one for the rounding.
             let reach = [a.hypot(b), c.hypot(d)].map(|by| (spot.reach_mm() * by) as usize + 2);
+            let wide = |size: usize| Fault::Wide {
+                incidence_deg: place.incidence_deg,
+                r_mm: place.r_mm,
+                size,
+            };
+            let widest = reach[0].max(reach[1]).saturating_mul(2).saturating_add(1);
+            if widest > LARGEST {
+                return Err(wide(widest));
+            }
             let size = reach.map(|reach| smooth_odd(2 * reach + 1));
             if size.iter().any(|&size| size > LARGEST) {
-                return Err(Fault::Wide {
-                    incidence_deg: place.incidence_deg,
-                    r_mm: place.r_mm,
-                    size: size[0].max(size[1]),
-                });
+                return Err(wide(size[0].max(size[1])));
             }
             let otf = |x: f64, y: f64| spot.otf([a * x + c * y, b * x + d * y]);
             let error = cut_off(&otf, size, half);

@@ -192,10 +192,7 @@ pub enum Error {
         file: PathBuf,
     },
     /// A pixel that is NaN or infinite.
-    #[error(
-        "{file}: pixel (column {x}, row {y}) is {value}; repair or mask the photograph before the \
-        fit"
-    )]
+    #[error("{file}: pixel (column {x}, row {y}) is {value}; repair the picture there")]
     NotFinite {
         /// Path of the photograph.
         file: PathBuf,
