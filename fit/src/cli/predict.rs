@@ -332,7 +332,8 @@ fn csv(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
             let mtf = p.mtf.get(i).map_or(String::new(), |m| format!("{m:.6}"));
             let _ = writeln!(
                 text,
-                "{},{},{azimuth},{axis},{:.6},{luminance},{frequency},{mtf},{luminances},{},{outside}",
+                "{},{},{azimuth},{axis},{:.6},{luminance},{frequency},{mtf},{luminances},{},\
+                {outside}",
                 p.floating_distance_mm,
                 p.incidence_deg,
                 p.retroreflected,

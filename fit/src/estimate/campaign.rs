@@ -260,8 +260,8 @@ struct Fitted {
     sampled: Option<Scene>,
 }
 
-/// Factor on the standard errors above which no bound is computed: the likelihood of a model that is
-/// so far from the photographs says nothing of where a number lies. This is a convention.
+/// Factor on the standard errors above which no bound is computed: the likelihood of a model that
+/// is so far from the photographs says nothing of where a number lies. This is a convention.
 const UNBOUNDED: f64 = 10.0;
 
 /// Chooses the terms, bounds undetermined parameters, and fits by the loss and the forward model of

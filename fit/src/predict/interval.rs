@@ -62,8 +62,8 @@ impl<'a> Uncertainty<'a> {
 
     /// Returns the standard error of a number with the given derivatives by spread, c and mu.
     ///
-    /// It is `None` without a covariance, and if that has no finite entry for a parameter on which the number
-    /// depends.
+    /// It is `None` without a covariance, and if that has no finite entry for a parameter on which
+    /// the number depends.
     fn standard_error(&self, by: [f64; 3]) -> Option<f64> {
         if self.matrix.is_empty() {
             return None;

@@ -94,8 +94,8 @@ impl Search<'_> {
         shots.position(|shot| shot.image == *worst)
     }
 
-    /// Returns pairs of photographs that may have been exchanged: the worst one with each other one,
-    /// and the worst few among themselves. A wrong photograph spoils the fit of others at its
+    /// Returns pairs of photographs that may have been exchanged: the worst one with each other
+    /// one, and the worst few among themselves. A wrong photograph spoils the fit of others at its
     /// incidence, so the worst one need not be a wrong one.
     fn pairs(&self) -> Vec<[usize; 2]> {
         const FEW: usize = 5;
