@@ -5,7 +5,7 @@
 .SUFFIXES:
 .NOTPARALLEL:
 .PHONY: all build install demo manual deny msrv table1 wheel fmt lint doc bench tools python rust \
-	clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
+	clean mutants test test-full test-statistics test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
 	test-package test-python test-fuzz test-kills
 
 CARGO = cargo
@@ -83,11 +83,20 @@ test: fmt lint doc python
 	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --locked
 	@# With airr, whose macros want other features: nothing is compiled anew.
 	@echo "== long tests of fit: stated errors over hundreds of drawn campaigns, and others" >&2
-	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored --skip trust_costs
+	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored --skip trust_costs \
+		$(addprefix --skip ,$(SLOWEST))
 	@$(MAKE) --no-print-directory test-package
 
 # What takes minutes or wants more than a fresh machine has.
-test-full: test test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-python \
+# A third of the time of the long tests.
+SLOWEST = statistics_near_full_scale statistics_of_uneven_light
+
+test-statistics: rust tools
+	@echo "== the slowest statistics of fit" >&2
+	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored $(SLOWEST)
+
+test-full: test test-statistics test-lean test-mpi test-raw test-mitsuba test-materialx \
+	test-metrics test-python \
 	test-fuzz test-kills
 
 # A hundred kills of every command that writes, at random times.

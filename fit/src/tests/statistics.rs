@@ -345,9 +345,9 @@ fn statistics_of_bent_edges() {
 /// drawn for each photograph. A veil over the dark side is not lit, edges are bent, and some pixels
 /// are hot.
 #[test]
-#[ignore = "minutes: `make test` runs it"]
+#[ignore = "minutes: `make test-statistics` runs it"]
 fn statistics_of_uneven_light() {
-    const CAMPAIGNS: u64 = 100;
+    const CAMPAIGNS: u64 = 180;
     let ranges = Ranges {
         photographs: [2.0, 6.0],
         light: Some([0.01, 0.3]),
@@ -418,9 +418,9 @@ fn statistics_without_a_reference() {
 /// Standard errors of the pixels are true where the camera cuts bright pixels off at full scale:
 /// the bright side lies within one standard deviation of a pixel's noise from it.
 #[test]
-#[ignore = "minutes: `make test` runs it"]
+#[ignore = "minutes: `make test-statistics` runs it"]
 fn statistics_near_full_scale() {
-    const DRAWS: u64 = 100;
+    const DRAWS: u64 = 200;
     let draw = |seed: u64| {
         let mut stream = Stream(0xf011 << 20 | seed);
         let (a, c) = (stream.between(2.0, 6.0), stream.between(0.2, 0.5));
