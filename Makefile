@@ -5,7 +5,8 @@
 .SUFFIXES:
 .NOTPARALLEL:
 .PHONY: all build install demo manual deny msrv table1 wheel fmt lint doc bench tools python rust \
-	clean mutants test test-full test-statistics test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
+	clean mutants test test-full test-statistics test-lean test-mpi test-raw test-mitsuba \
+	test-materialx test-metrics \
 	test-package test-python test-fuzz test-kills
 
 CARGO = cargo
