@@ -6,8 +6,7 @@
 .NOTPARALLEL:
 .PHONY: all build install demo manual deny msrv table1 wheel fmt lint doc bench tools python rust \
 	clean mutants test test-full test-statistics test-lean test-mpi test-raw test-mitsuba \
-	test-materialx test-metrics \
-	test-package test-python test-fuzz test-kills
+	test-materialx test-metrics test-package test-python test-fuzz test-kills
 
 CARGO = cargo
 PYTHON = python3
@@ -88,17 +87,16 @@ test: fmt lint doc python
 		$(addprefix --skip ,$(SLOWEST))
 	@$(MAKE) --no-print-directory test-package
 
-# What takes minutes or wants more than a fresh machine has.
-# A third of the time of the long tests.
+# The slowest of the long tests.
 SLOWEST = statistics_near_full_scale statistics_of_uneven_light
 
 test-statistics: rust tools
 	@echo "== the slowest statistics of fit" >&2
 	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored $(SLOWEST)
 
+# What takes minutes or wants more than a fresh machine has.
 test-full: test test-statistics test-lean test-mpi test-raw test-mitsuba test-materialx \
-	test-metrics test-python \
-	test-fuzz test-kills
+	test-metrics test-python test-fuzz test-kills
 
 # A hundred kills of every command that writes, at random times.
 test-kills: rust tools

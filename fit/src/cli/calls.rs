@@ -206,13 +206,8 @@ pub fn explore(
     source: Option<Held>,
 ) -> Result<(String, String), Refused> {
     let arguments: explore::Arguments = parsed(words)?;
-    let picture = match source {
-        None => None,
-        Some(held) => {
-            let picture = held.into_picture(arguments.transfer);
-            Some(picture.map_err(Failure::from)?)
-        }
-    };
+    let picture = source.map(|held| held.into_picture(arguments.transfer));
+    let picture = picture.transpose().map_err(Failure::from)?;
     let source = picture.as_ref().map(|own| (Path::new("picture"), own));
     let sheet = Fitted::new(result, table).map_err(Failure::from)?;
     let title = "estimate in Python".into();

@@ -17,7 +17,7 @@ use crate::explore::{self, Explorer, Source, Span, Start};
 use crate::photographs::photo;
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
-use crate::predict::Fitted;
+use crate::predict::{Fitted, NEAR_MM};
 use crate::result::ResultFile;
 
 /// Writes a page in which you move sliders and see the mid-air image at once.
@@ -145,9 +145,6 @@ pub(crate) struct Arguments {
 
 /// Shortest distance of the slider without photographs, mm.
 const NEAREST_MM: f64 = 100.0;
-
-/// Shortest distance that a page can have, mm: nearer, an image is not seen apart from its sheet.
-const CLOSEST_MM: f64 = 10.0;
 
 /// Longest distance of the slider at least, mm: that of a large stage.
 const FARTHEST_MM: f64 = 3000.0;
@@ -308,7 +305,7 @@ impl Arguments {
     fn span(&self, result: &ResultFile) -> Result<Span, Failure> {
         let photographed = result.domain.map(|domain| domain.floating_distance_mm);
         let [near, far] = match photographed {
-            Some([near, far]) => [(0.5 * near).max(CLOSEST_MM), FARTHEST_MM.max(2.0 * far)],
+            Some([near, far]) => [(0.5 * near).max(NEAR_MM), FARTHEST_MM.max(2.0 * far)],
             None => [NEAREST_MM, FARTHEST_MM],
         };
         let [near, far] = match self.distance {
@@ -316,9 +313,9 @@ impl Arguments {
             None => [near, far],
         };
         let distance_mm = [self.nearest.unwrap_or(near), self.farthest.unwrap_or(far)];
-        if distance_mm[0] < CLOSEST_MM {
+        if distance_mm[0] < NEAR_MM {
             let message = format!(
-                "the page would begin {} mm from the sheet; distances are in mm, from {CLOSEST_MM} \
+                "the page would begin {} mm from the sheet; distances are in mm, from {NEAR_MM} \
                 mm on",
                 distance_mm[0]
             );

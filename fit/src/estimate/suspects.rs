@@ -158,7 +158,7 @@ impl Search<'_> {
         }
         light.sort_by(|a, b| a.chi2_if_so.total_cmp(&b.chi2_if_so));
         let least = light.first().map_or(0.0, |best| best.chi2_if_so);
-        light.retain(|own| own.chi2_if_so - least <= SURE.max(least));
+        light.retain(|own| is_comparable(own.chi2_if_so, least));
         Ok(light)
     }
 
@@ -168,23 +168,28 @@ impl Search<'_> {
         if self.goodness.scale <= 1.0 || self.fit.choice.kernel.is_baseline() {
             return Ok(Vec::new());
         }
-        let blurs = self.not_tried();
-        let mut named = self.named(&blurs, 0)?;
-        if !named.iter().any(|own| own.left <= own.noise) {
-            named.extend(self.named(&self.alternatives(), blurs.len())?);
-        }
-        named.sort_by(|a, b| a.left.total_cmp(&b.left));
-        let least = named.first().map_or(0.0, |best| best.left);
-        named.retain(|own| own.left - least <= SURE.max(least));
-        Ok(named.into_iter().map(|own| own.suspect).collect())
-    }
-
-    /// Returns those of the alternatives that explain the misfit of the blur. `before` were tried
-    /// before.
-    fn named(&self, alternatives: &[Alternative], before: usize) -> Result<Vec<Named>, Cancelled> {
         let now = self
             .at_least(self.scene, &[self.fit.choice])
             .map_or(0.0, |of| of.excess);
+        let blurs = self.not_tried();
+        let mut named = self.named(now, &blurs, 0)?;
+        if !named.iter().any(|own| own.left <= own.noise) {
+            named.extend(self.named(now, &self.alternatives(), blurs.len())?);
+        }
+        named.sort_by(|a, b| a.left.total_cmp(&b.left));
+        let least = named.first().map_or(0.0, |best| best.left);
+        named.retain(|own| is_comparable(own.left, least));
+        Ok(named.into_iter().map(|own| own.suspect).collect())
+    }
+
+    /// Returns those of the alternatives that explain the misfit of the blur. The MTFs have the
+    /// excess `now` with the mistake. `before` alternatives were tried before.
+    fn named(
+        &self,
+        now: f64,
+        alternatives: &[Alternative],
+        before: usize,
+    ) -> Result<Vec<Named>, Cancelled> {
         let (done, of) = (AtomicUsize::new(before), before + alternatives.len());
         let tried = alternatives.par_iter().map(|own| {
             let found = self.at_least(&own.scene, &own.choices);
@@ -263,6 +268,12 @@ impl Search<'_> {
         (fit.solution.stop != Stop::Failed && fit.solution.sum_of_squares().is_finite())
             .then_some(fit)
     }
+}
+
+/// Returns whether a suspect that leaves `left` of a sum of squares is named beside the best one,
+/// which leaves `least`.
+fn is_comparable(left: f64, least: f64) -> bool {
+    left - least <= SURE.max(least)
 }
 
 /// Returns the sum of squares of a fit less its degrees of freedom.

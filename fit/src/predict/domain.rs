@@ -33,7 +33,7 @@ pub(crate) struct Viewpoint {
 }
 
 /// Distance below which a mid-air image is not seen apart from its sheet, mm.
-const NEAR_MM: f64 = 10.0;
+pub(crate) const NEAR_MM: f64 = 10.0;
 
 /// Returns a remark if an image floats so near to its sheet that its distance may be in m or cm.
 fn near(r_mm: f64) -> Option<String> {

@@ -421,6 +421,7 @@ async function begin() {
   }
   $("auto").addEventListener("change", () => refresh(true));
   $("reset").addEventListener("click", () => {
+    note = "";
     for (const { key, value } of SLIDERS) state[key] = value;
     sync();
     refresh(true);

@@ -5,8 +5,7 @@
 
 use crate::estimate::Bound;
 use crate::estimate::Estimated;
-use crate::estimate::{Kind, Loss};
-use crate::estimate::{sum_of_squares_with, tolerance_for};
+use crate::estimate::{Kind, Loss, sum_of_squares_with, tolerance_for};
 use crate::names::{ParameterId, ParameterKind};
 
 /// Greatest number of parameters with a profile: the first ones, if a campaign has many angles.

@@ -46,8 +46,8 @@ pub(crate) const fn said(verdict: Verdict) -> &'static str {
 
 /// Writes the verdict in one sentence, and the best suspect in another.
 fn verdict(fit: &FitResult) -> String {
-    let of_blur = fit.verdict == Verdict::Strained && fit.scale <= 1.0;
-    let said = if of_blur {
+    let mu_alone = fit.verdict == Verdict::Strained && fit.scale <= 1.0;
+    let said = if mu_alone {
         "describes the blur within its noise, but the photographs disagree on mu"
     } else {
         said(fit.verdict)
