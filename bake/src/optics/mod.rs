@@ -10,6 +10,7 @@ mod elementary;
 mod light;
 pub(crate) mod material;
 pub(crate) mod mirror;
+mod quick;
 mod ray;
 pub(crate) mod roughness;
 mod rules;
@@ -19,7 +20,8 @@ pub(crate) use light::{Backing, Light};
 pub use material::{MaterialError, metal, refractive_index};
 #[cfg(test)]
 pub(crate) use mirror::deviation;
-pub(crate) use mirror::{reflect, reflection, refract};
+pub(crate) use mirror::{mirrored, reflect, reflection, refract};
+pub(crate) use quick::Quick;
 pub(crate) use ray::{Incidence, Ray};
 pub(crate) use roughness::reach_rad;
 pub(crate) use rules::{BOUNCE_LIMIT, LEAST_POWER, Leaving, PASSES, Rules, fate_of_leaving};

@@ -13,6 +13,9 @@ use crate::optics::{Aspect, Ray};
 use crate::rays::lane::{LANES, Mask, Reals};
 use glam::{DMat3, DVec3};
 
+/// Value of each ray in f32.
+type Lanes = [f32; LANES];
+
 /// Number that stands for no facet.
 pub(crate) const NONE: u64 = u64::MAX;
 
@@ -36,6 +39,8 @@ pub(crate) struct Bundle {
     centre: DVec3,
     /// Half the size of that box.
     half: DVec3,
+    /// Points where the rays start, counted from that centre, edge lengths.
+    near: [Lanes; 3],
     /// Greatest slack of a ray.
     most_slack: f64,
 }
@@ -71,6 +76,7 @@ impl Bundle {
             vectors: 0,
             centre: DVec3::ZERO,
             half: DVec3::ZERO,
+            near: [[0.0; LANES]; 3],
             most_slack: 0.0,
         }
     }
@@ -98,6 +104,12 @@ impl Bundle {
         self.centre = (low + high) / 2.0;
         // The last term makes up for the rounding of the centre.
         self.half = (high - low) / 2.0 + (low.abs() + high.abs()) * f64::EPSILON;
+        for axis in 0..3 {
+            let middle = self.centre[axis];
+            for lane in 0..LANES {
+                self.near[axis][lane] = (self.origin[axis][lane] - middle) as f32;
+            }
+        }
         self.most_slack = fold(&self.slack, greater);
     }
 
@@ -151,29 +163,101 @@ impl Bundle {
         fold(&self.distance, greater)
     }
 
-    /// Returns the edge by which most rays are likely to miss the facet.
+    /// Returns the edges of the facet that rays may pass on either side, and their number. All rays
+    /// pass inside of the others.
     ///
     /// Returns `None` if no ray can meet the facet, because all rays pass beyond one of its edges
     /// or start behind it.
     #[inline(always)]
-    fn likeliest_miss(&self, aspect: &Aspect) -> Option<usize> {
-        // `most` is the greatest value, over the box of all origins, of a function that is linear
-        // in the origin. The margin is twice that of the test of a ray, and so covers the rounding
-        // of both.
-        let most = |corner: DVec3, gradient: DVec3| {
-            (self.centre - corner).dot(gradient) + self.half.dot(gradient.abs())
-        };
-        if most(aspect.corners[0], aspect.normal * aspect.side) < -2.0 * self.most_slack {
+    fn open_edges(&self, aspect: &Aspect) -> Option<([Edge; 3], usize)> {
+        let mut edges = [Edge::default(); 3];
+        let mut open = 0;
+        // A function that is linear in the origin is off its value at the centre by `spread` at
+        // most. The margin is twice that of the test of a ray, and so covers the rounding of both.
+        let height = (self.centre - aspect.corners[0]).dot(aspect.normal) * aspect.side;
+        if height + self.half.dot(aspect.normal.abs()) < -2.0 * self.most_slack {
             return None;
         }
-        let inside = |edge: usize| {
-            most(aspect.corners[edge], aspect.inward[edge])
-                + 2.0 * (self.most_slack * aspect.lengths[edge] + self.grain)
+        for number in 0..3 {
+            let inward = aspect.inward[number];
+            let value = (self.centre - aspect.corners[number]).dot(inward);
+            let spread = self.half.dot(inward.abs());
+            let margin = 2.0 * (self.most_slack * aspect.lengths[number] + self.grain);
+            if value + spread < -margin {
+                return None;
+            }
+            if value - spread > margin {
+                continue;
+            }
+            edges[open] = Edge {
+                number,
+                value,
+                spread,
+                margin,
+            };
+            open += 1;
+        }
+        Some((edges, open))
+    }
+
+    /// Returns the rays that pass inside of all `edges`, or `None` if there is no such ray.
+    ///
+    /// The test is in f32. Rays too near an edge for it go through the test in f64, all together.
+    #[inline(always)]
+    fn inside(&self, edges: &[Edge], aspect: &Aspect) -> Option<Mask> {
+        let vectors = self.vectors;
+        let (surely, maybe) = match *edges {
+            [] => return Some([1; LANES]),
+            [first] => self.bounds_inside([first], aspect),
+            [first, second] => self.bounds_inside([first, second], aspect),
+            [first, second, third, ..] => self.bounds_inside([first, second, third], aspect),
         };
-        let inside = [inside(0), inside(1), inside(2)];
-        let first = if inside[1] < inside[0] { 1 } else { 0 };
-        let first = if inside[2] < inside[first] { 2 } else { first };
-        (inside[first] >= 0.0).then_some(first)
+        let (mut on, mut any, mut unsure): (Mask, u32, u64) = ([0; LANES], 0, 0);
+        for lane in 0..whole(vectors) {
+            any |= u32::from(maybe[lane] >= 0.0);
+        }
+        if any == 0 {
+            return None;
+        }
+        for lane in 0..whole(vectors) {
+            on[lane] = u64::from(surely[lane] > 0.0);
+            unsure |= on[lane] ^ u64::from(maybe[lane] >= 0.0);
+        }
+        if unsure == 0 {
+            return Some(on);
+        }
+        on = [1; LANES];
+        for edge in edges.iter().map(|edge| edge.number) {
+            let corner = aspect.corners[edge];
+            let value = over(&self.origin, vectors, corner, aspect.inward[edge]);
+            let length = aspect.lengths[edge];
+            for lane in 0..whole(vectors) {
+                let margin = -(aspect.side * (self.slack[lane] * length + self.grain));
+                on[lane] &= u64::from(value[lane] >= margin);
+            }
+        }
+        (!none(&on, vectors)).then_some(on)
+    }
+
+    /// Returns a lower and an upper bound on the least of the rays' triple products with `edges`.
+    #[inline(always)]
+    fn bounds_inside<const N: usize>(&self, edges: [Edge; N], aspect: &Aspect) -> (Lanes, Lanes) {
+        let inward = edges.map(|edge| aspect.inward[edge.number].as_vec3());
+        let values = edges.map(|edge| edge.value as f32);
+        let errors = edges.map(|edge| edge.error());
+        let [x, y, z] = &self.near;
+        let (mut surely, mut maybe) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..whole(self.vectors) {
+            let (mut low, mut high) = (f32::MAX, f32::MAX);
+            for edge in 0..N {
+                let along = inward[edge];
+                let at = x[lane] * along.x + y[lane] * along.y + z[lane] * along.z + values[edge];
+                low = below(at - errors[edge], low);
+                high = below(at + errors[edge], high);
+            }
+            (surely[lane], maybe[lane]) = (low, high);
+        }
+        (surely, maybe)
     }
 
     /// Takes the facet for every ray that meets it nearer than its nearest facet so far.
@@ -182,40 +266,57 @@ impl Bundle {
     /// [`crate::rays::nearest::Nearest::offer`].
     #[inline(always)]
     pub(crate) fn offer(&mut self, index: usize, aspect: &Aspect) -> bool {
-        let Some(likely) = self.likeliest_miss(aspect) else {
+        let Some((edges, open)) = self.open_edges(aspect) else {
+            return false;
+        };
+        let Some(on) = self.inside(&edges[..open], aspect) else {
             return false;
         };
         let (side, vectors) = (aspect.side, self.vectors);
-        let mut on: Mask = [1; LANES];
-        for edge in [likely, (likely + 1) % 3, (likely + 2) % 3] {
-            let value = over(
-                &self.origin,
-                vectors,
-                aspect.corners[edge],
-                aspect.inward[edge],
-            );
-            let length = aspect.lengths[edge];
-            for lane in 0..whole(vectors) {
-                let margin = -(side * (self.slack[lane] * length + self.grain));
-                on[lane] &= u64::from(value[lane] >= margin);
-            }
-            if none(&on, vectors) {
-                return false;
-            }
-        }
         let height = over(&self.origin, vectors, aspect.corners[0], aspect.normal);
+        // From copies: in place, the compiler would store the changed lanes alone, which takes many
+        // processors dozens of cycles.
+        let (distances, numbers) = (self.distance, self.facet);
         for lane in 0..whole(vectors) {
             let ahead = side * height[lane] >= -(side * self.slack[lane]);
             let quotient = -height[lane] / aspect.cosine;
             let distance = if quotient > 0.0 { quotient } else { 0.0 };
-            let known = self.distance[lane];
+            let known = distances[lane];
             let nearer =
-                (distance < known) | ((distance == known) & ((index as u64) < self.facet[lane]));
+                (distance < known) | ((distance == known) & ((index as u64) < numbers[lane]));
             let met = (on[lane] != 0) & ahead & nearer;
             self.distance[lane] = if met { distance } else { known };
-            self.facet[lane] = if met { index as u64 } else { self.facet[lane] };
+            self.facet[lane] = if met { index as u64 } else { numbers[lane] };
         }
         true
+    }
+}
+
+/// Edge of a facet as the rays of a bundle pass it.
+///
+/// A ray passes inside if its triple product with the edge is not negative.
+#[derive(Debug, Clone, Copy, Default)]
+struct Edge {
+    /// Number of the edge.
+    number: usize,
+    /// Triple product of the centre of the bundle, square edge lengths.
+    value: f64,
+    /// Greatest difference from it of a ray's.
+    spread: f64,
+    /// Twice the greatest margin of the exact test.
+    margin: f64,
+}
+
+impl Edge {
+    /// Returns the value within which the test in f32 does not decide.
+    ///
+    /// In f32 each of six factors, three products and three sums is off by a part of 2^-24. A way
+    /// from the centre times the gradient is at most the spread. So the sum is off by less than 8
+    /// times 2^-24 of value and spread, and the bounds by as much again. Here are 16.
+    #[inline(always)]
+    fn error(&self) -> f32 {
+        let rounding = (-20_f64).exp2() * (self.value.abs() + self.spread);
+        ((rounding + self.margin) * (1.0 + 1e-6)) as f32
     }
 }
 
@@ -275,6 +376,12 @@ pub(crate) fn inverse(component: f64) -> f64 {
     } else {
         1.0 / component
     }
+}
+
+/// Returns the lesser of two numbers in f32 by a single instruction; neither may be NaN.
+#[inline(always)]
+fn below(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 /// Returns the lesser of two numbers by a single instruction; neither may be NaN.
@@ -395,5 +502,55 @@ mod tests {
             assert_eq!(bundle.facet[..3], [4; 3], "{order:?}");
             assert_eq!(bundle.distance[..3], z);
         }
+    }
+
+    /// Bundles whose rays are aimed at points 1e-18 to 1e-3 edge lengths from an edge, on either
+    /// side, with origins that lie close together or far apart: every ray finds what
+    /// [`crate::rays::nearest::Nearest`] finds for it alone.
+    #[test]
+    fn rays_beside_an_edge_find_what_they_find_alone() {
+        let corners = [
+            DVec3::new(0.1, 0.2, -0.3),
+            DVec3::new(1.3, 0.1, 0.4),
+            DVec3::new(0.3, 0.9, 0.2),
+        ];
+        let facet = crate::optics::Triangle::new(corners).expect("has area");
+        let (mut cases, mut met) = (0, 0);
+        for turn in 0..400_u32 {
+            let t = f64::from(turn);
+            let away = DVec3::new((1.1 * t).sin(), (2.3 * t).cos(), (0.7 * t).sin()).normalize();
+            let Some(aspect) = facet.along(-away) else {
+                continue;
+            };
+            let edge = turn as usize % 3;
+            let (a, b) = (corners[edge], corners[(edge + 1) % 3]);
+            let inward = facet.normal.cross(b - a).normalize();
+            let along = [1e-9, 1e-3, 1.0][turn as usize / 3 % 3];
+            let rays: Vec<Ray> = (0..LANES - turn as usize % 5)
+                .map(|k| {
+                    let share = 0.5 + along * ((k as f64 * 0.618_034).fract() - 0.5);
+                    let off = 10_f64.powi(k as i32 % 16 - 18) * f64::from(k as i32 % 3 - 1);
+                    let target = a.lerp(b, share) + inward * off;
+                    Ray::new(target + away * 1.5, -away, 4.0)
+                })
+                .collect();
+            let axis = |axis: usize| rays.iter().map(|ray| ray.origin[axis]).collect::<Vec<_>>();
+            let slack: Vec<f64> = rays.iter().map(|ray| ray.slack).collect();
+            let mut bundle = Bundle::new();
+            bundle.fill([&axis(0), &axis(1), &axis(2)], &slack, rays[0].grain);
+            bundle.offer(7, &aspect);
+            for (lane, ray) in rays.iter().enumerate() {
+                let alone = aspect.meet(ray);
+                let found = (bundle.facet[lane] == 7).then_some(bundle.distance[lane]);
+                assert_eq!(found, alone, "{turn} {lane}");
+                cases += 1;
+                met += u32::from(alone.is_some());
+            }
+        }
+        println!("{met} of {cases} rays meet the facet");
+        assert!(
+            cases > 20_000 && met > cases / 4 && met < cases,
+            "{met} of {cases}"
+        );
     }
 }

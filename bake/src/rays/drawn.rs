@@ -74,21 +74,23 @@ pub(crate) fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Real
             c0[lane] = piece.stretched(c0[lane]);
         }
     }
+    // Into new lists. In place, the compiler would store the changed lanes alone, which takes many
+    // processors dozens of cycles.
+    let (mut i, mut j) = (c0, c1);
     if piece.folded {
         for lane in 0..LANES {
-            let (i, j) = (c0[lane], c1[lane]);
-            let flip = i + j > 0.0;
-            c0[lane] = if flip { -j } else { i };
-            c1[lane] = if flip { -i } else { j };
+            let flip = c0[lane] + c1[lane] > 0.0;
+            i[lane] = if flip { -c1[lane] } else { c0[lane] };
+            j[lane] = if flip { -c0[lane] } else { c1[lane] };
         }
     }
     let [s, t] = piece.sides;
     let (mut x, mut y): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
     for lane in 0..LANES {
-        x[lane] = piece.centre.x + (s.x * c0[lane] + t.x * c1[lane]);
+        x[lane] = piece.centre.x + (s.x * i[lane] + t.x * j[lane]);
     }
     for lane in 0..LANES {
-        y[lane] = piece.centre.y + (s.y * c0[lane] + t.y * c1[lane]);
+        y[lane] = piece.centre.y + (s.y * i[lane] + t.y * j[lane]);
     }
     (x, y, chosen)
 }

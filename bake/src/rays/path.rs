@@ -3,8 +3,8 @@
 //! All faster tracers are checked against this one.
 
 use crate::optics::{
-    Backing, Incidence, LEAST_POWER, Light, PASSES, Ray, Rules, element, fate_of_leaving, reflect,
-    reflection, refract, roughness,
+    Backing, Incidence, LEAST_POWER, Light, PASSES, Ray, Rules, element, fate_of_leaving, mirrored,
+    reflect, refract, roughness,
 };
 use crate::rays::scene::{Event, Scene};
 use crate::samples::Stream;
@@ -63,7 +63,7 @@ impl Course {
     fn sent_back(&self) -> Self {
         Course {
             direction: reflect(self.direction, DVec3::Z),
-            map: reflection(DVec3::Z) * self.map,
+            map: mirrored(self.map, DVec3::Z),
             passes: self.passes + 1,
             ..*self
         }
@@ -86,7 +86,7 @@ impl Course {
         }
         Ok(Course {
             direction: reflect(self.direction, normal),
-            map: reflection(normal) * self.map,
+            map: mirrored(self.map, normal),
             bounces: self.bounces + 1,
             ..*self
         })

@@ -13,7 +13,7 @@
 )]
 
 use crate::optics::{
-    BOUNCE_LIMIT, Incidence, Ray, Rules, Triangle, reflect, reflection, roughness,
+    BOUNCE_LIMIT, Incidence, Quick, Ray, Rules, Triangle, mirrored, reflect, roughness,
 };
 use crate::rays::departures::{Departure, Departures};
 use crate::rays::drawn::{digits, points};
@@ -78,19 +78,32 @@ impl Task for Flying<'_> {
 fn run(flight: &Flight, departures: &mut Departures, tally: &mut Tally) {
     for (scene, entries) in flight.scenes.iter().zip(entries(flight)) {
         departures.enter(scene);
-        let mut flock = Flock::new(flight, scene);
-        let mut waiting = entries.into_iter();
+        let faces = Faces::new(scene);
+        let first = scene.enter(DVec2::ZERO, flight.direction.travel);
+        let (mut flock, mut arriving) = (Flock::new(&first), Flock::new(&first));
+        let mut waiting = entries.chunks(LANES);
+        let mut fresh = 0..0;
         let mut free = u64::MAX;
         loop {
             while free != 0 {
-                let Some(entry) = waiting.next() else { break };
-                flock.enter(free.trailing_zeros() as usize, &entry);
-                free &= free - 1;
+                let Some(arrival) = fresh.next() else {
+                    let Some(entries) = waiting.next() else { break };
+                    arriving.fill(entries);
+                    arriving.look(&faces);
+                    fresh = 0..entries.len();
+                    continue;
+                };
+                if arriving.distance[arrival] == UNMET {
+                    departures.push(&arriving.departure(arrival), tally);
+                } else {
+                    flock.take(free.trailing_zeros() as usize, &arriving, arrival);
+                    free &= free - 1;
+                }
             }
             if free == u64::MAX {
                 break;
             }
-            let fates = flock.step(flight, scene.facets());
+            let fates = flock.step(flight, &faces);
             let mut ended = ended(&fates) & !free;
             free |= ended;
             while ended != 0 {
@@ -158,7 +171,40 @@ fn ended(fates: &Mask) -> u64 {
     ended
 }
 
-/// Rays under way, one for each lane.
+/// Facets of a scene, as the lanes see them.
+struct Faces<'a> {
+    facets: &'a [Triangle],
+    quick: Vec<Quick>,
+    reach: f64,
+}
+
+impl<'a> Faces<'a> {
+    fn new(scene: &'a Scene) -> Self {
+        let (facets, reach) = (scene.facets(), scene.reach());
+        let quick = facets.iter().map(|facet| Quick::new(facet, reach));
+        Faces {
+            facets,
+            quick: quick.collect(),
+            reach,
+        }
+    }
+
+    /// Returns the distance of the nearest facet of `ray`, [`UNMET`] without a facet, and the
+    /// facet's normal.
+    #[cold]
+    fn nearest(&self, ray: &Ray) -> (f64, DVec3) {
+        let mut nearest = (UNMET, DVec3::Z);
+        for facet in self.facets {
+            let distance = facet.reach(ray);
+            if distance < nearest.0 {
+                nearest = (distance, facet.normal);
+            }
+        }
+        nearest
+    }
+}
+
+/// Rays under way, one for each lane, with the facets ahead of them.
 struct Flock {
     point: [Reals; 2],
     origin: [Reals; 3],
@@ -167,55 +213,56 @@ struct Flock {
     map: [Reals; 9],
     bounces: Mask,
     index: Mask,
-    /// Ray that enters at the origin of the entrance plane.
-    first: Ray,
-    reach: f64,
+    /// Distance of the nearest facet, [`UNMET`] without a facet.
+    distance: Reals,
+    /// Unit normal of that facet.
+    facet: [Reals; 3],
+    grain: f64,
 }
 
 impl Flock {
-    /// Makes a flock without rays. Each lane repeats a ray that counts for nothing.
+    /// Makes a flock whose lanes all hold the ray `first`.
     #[inline(always)]
-    fn new(flight: &Flight, scene: &Scene) -> Self {
-        let first = scene.enter(DVec2::ZERO, flight.direction.travel);
-        let mut flock = Flock {
+    fn new(first: &Ray) -> Self {
+        Flock {
             point: [[0.0; LANES]; 2],
-            origin: [[0.0; LANES]; 3],
-            travel: [[0.0; LANES]; 3],
-            slack: [0.0; LANES],
-            map: [[0.0; LANES]; 9],
+            origin: first.origin.to_array().map(|value| [value; LANES]),
+            travel: first.direction.to_array().map(|value| [value; LANES]),
+            slack: [first.slack; LANES],
+            map: DMat3::IDENTITY.to_cols_array().map(|value| [value; LANES]),
             bounces: [0; LANES],
             index: [0; LANES],
-            first,
-            reach: scene.reach(),
-        };
-        let entry = Entry {
-            index: 0,
-            point: DVec2::ZERO,
-        };
-        for lane in 0..LANES {
-            flock.enter(lane, &entry);
+            distance: [UNMET; LANES],
+            facet: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
+            grain: first.grain,
         }
-        flock
     }
 
-    /// Starts a ray in `lane`.
+    /// Starts rays in the first lanes, in a flock whose rays have met no facet.
     #[inline(always)]
-    fn enter(&mut self, lane: usize, entry: &Entry) {
-        let DVec2 { x, y } = entry.point;
-        (self.point[0][lane], self.point[1][lane]) = (x, y);
-        set(
-            &mut self.origin,
-            lane,
-            DVec3::new(x, y, self.first.origin.z),
-        );
-        set(&mut self.travel, lane, self.first.direction);
-        self.slack[lane] = self.first.slack;
-        let unit = DMat3::IDENTITY.to_cols_array();
-        for (entries, value) in self.map.iter_mut().zip(unit) {
-            entries[lane] = value;
+    fn fill(&mut self, entries: &[Entry]) {
+        for (lane, Entry { index, point }) in entries.iter().enumerate() {
+            (self.point[0][lane], self.point[1][lane]) = (point.x, point.y);
+            (self.origin[0][lane], self.origin[1][lane]) = (point.x, point.y);
+            self.index[lane] = *index;
         }
-        self.bounces[lane] = 0;
-        self.index[lane] = entry.index;
+    }
+
+    /// Takes ray `other` of `flock` into `lane`.
+    #[inline(always)]
+    fn take(&mut self, lane: usize, flock: &Flock, other: usize) {
+        self.point[0][lane] = flock.point[0][other];
+        self.point[1][lane] = flock.point[1][other];
+        set(&mut self.origin, lane, get(&flock.origin, other));
+        set(&mut self.travel, lane, get(&flock.travel, other));
+        self.slack[lane] = flock.slack[other];
+        for (entries, others) in self.map.iter_mut().zip(&flock.map) {
+            entries[lane] = others[other];
+        }
+        self.bounces[lane] = flock.bounces[other];
+        self.index[lane] = flock.index[other];
+        self.distance[lane] = flock.distance[other];
+        set(&mut self.facet, lane, get(&flock.facet, other));
     }
 
     /// Returns the ray of `lane`.
@@ -225,7 +272,7 @@ impl Flock {
             origin: get(&self.origin, lane),
             direction: get(&self.travel, lane),
             slack: self.slack[lane],
-            grain: self.first.grain,
+            grain: self.grain,
         }
     }
 
@@ -250,18 +297,19 @@ impl Flock {
         }
     }
 
-    /// Takes every ray past its nearest facet. Returns the fate of each ray as a number: [`ON`] if
-    /// it goes on, [`OUT`] if it meets no facet.
+    /// Takes every ray past the facet ahead of it, and finds the next one. Returns the fate of each
+    /// ray as a number: [`ON`] if it goes on, [`OUT`] if it meets no further facet.
+    ///
+    /// The state of a ray that ends otherwise is lost.
     #[inline(always)]
-    fn step(&mut self, flight: &Flight, facets: &[Triangle]) -> Mask {
-        let (distance, facet) = self.nearest(facets);
-        let drawn = self.drawn(flight, &facet);
+    fn step(&mut self, flight: &Flight, faces: &Faces) -> Mask {
+        let drawn = self.drawn(flight);
         let rules = flight.rules;
         let total_only = rules.reflects_only_totally();
         let mut fates = [ON; LANES];
         for lane in 0..LANES {
             let ray = self.ray(lane);
-            let (facet, normal) = (get(&facet, lane), get(&drawn, lane));
+            let (facet, normal) = (get(&self.facet, lane), get(&drawn, lane));
             let onward = reflect(ray.direction, normal);
             // The first reason to end counts, so it is asked last.
             let mut fate = ON;
@@ -271,64 +319,69 @@ impl Flock {
             ends(total_only & through, Fate::Transmitted as u64);
             let limit = self.bounces[lane] == u64::from(BOUNCE_LIMIT);
             ends(limit, Fate::BounceLimit as u64);
-            ends(ray.direction.dot(facet) >= 0.0, Fate::Absorbed as u64);
-            ends(distance[lane] == UNMET, OUT);
+            let along = ray.direction.dot(facet);
+            ends(along >= 0.0, Fate::Absorbed as u64);
             fates[lane] = fate;
+            let way = self.distance[lane];
+            set(&mut self.origin, lane, ray.origin + ray.direction * way);
+            self.slack[lane] = 16.0 * f64::EPSILON * (faces.reach + way) / along.abs();
+            set(&mut self.travel, lane, onward);
         }
         for lane in 0..LANES {
-            let on = fates[lane] == ON;
-            let ray = self.ray(lane);
-            let normal = get(&drawn, lane);
-            let keep = |new: f64, old: f64| if on { new } else { old };
-            let way = keep(distance[lane], 0.0);
-            let origin = ray.origin + ray.direction * way;
-            let along = ray.direction.dot(get(&facet, lane)).abs();
-            let slack = 16.0 * f64::EPSILON * (self.reach + way) / along;
-            let onward = reflect(ray.direction, normal);
-            self.slack[lane] = keep(slack, ray.slack);
-            for axis in 0..3 {
-                self.origin[axis][lane] = keep(origin[axis], ray.origin[axis]);
-                self.travel[axis][lane] = keep(onward[axis], ray.direction[axis]);
-            }
-        }
-        for lane in 0..LANES {
-            let on = fates[lane] == ON;
-            let before = self.map(lane);
-            let after = reflection(get(&drawn, lane)) * before;
-            let (before, after) = (before.to_cols_array(), after.to_cols_array());
+            let after = mirrored(self.map(lane), get(&drawn, lane)).to_cols_array();
             for entry in 0..9 {
-                self.map[entry][lane] = if on { after[entry] } else { before[entry] };
+                self.map[entry][lane] = after[entry];
             }
-            self.bounces[lane] += u64::from(on);
+            self.bounces[lane] += 1;
+        }
+        self.look(faces);
+        for lane in 0..LANES {
+            let out = (fates[lane] == ON) & (self.distance[lane] == UNMET);
+            fates[lane] = if out { OUT } else { fates[lane] };
         }
         fates
     }
 
-    /// Returns the distance of the nearest facet of every ray, [`UNMET`] without a facet, and the
-    /// facet's normal.
+    /// Finds the nearest facet ahead of every ray.
     #[inline(always)]
-    fn nearest(&self, facets: &[Triangle]) -> (Reals, [Reals; 3]) {
+    fn look(&mut self, faces: &Faces) {
         let mut nearest = [UNMET; LANES];
         let mut normal = [[0.0; LANES], [0.0; LANES], [1.0; LANES]];
-        for facet in facets {
+        let mut unsure: Mask = [0; LANES];
+        for facet in &faces.quick {
             // The top bit says that the facet is nearer.
             let mut nearer: Mask = [0; LANES];
+            let before = nearest;
             for lane in 0..LANES {
-                let distance = facet.reach(&self.ray(lane));
-                nearer[lane] = (distance - nearest[lane]).to_bits();
-                let least = distance < nearest[lane];
-                nearest[lane] = if least { distance } else { nearest[lane] };
+                let glance = facet.look(&self.ray(lane));
+                nearer[lane] = (glance.distance - before[lane]).to_bits();
+                let least = glance.distance < before[lane];
+                nearest[lane] = if least { glance.distance } else { before[lane] };
+                unsure[lane] |= glance.doubt;
             }
             for axis in 0..3 {
                 choose(&mut normal[axis], &[facet.normal[axis]; LANES], &nearer);
             }
         }
-        (nearest, normal)
+        self.distance = nearest;
+        self.facet = normal;
+        let mut left = 0;
+        for lane in 0..LANES {
+            left |= (unsure[lane] >> 63) << lane;
+        }
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let (distance, normal) = faces.nearest(&self.ray(lane));
+            self.distance[lane] = distance;
+            set(&mut self.facet, lane, normal);
+        }
     }
 
-    /// Draws the normals that the rays meet on facets with these unit normals.
+    /// Draws the normals that the rays meet on the facets ahead of them.
     #[inline(always)]
-    fn drawn(&self, flight: &Flight, facet: &[Reals; 3]) -> [Reals; 3] {
+    fn drawn(&self, flight: &Flight) -> [Reals; 3] {
+        let facet = &self.facet;
         let alpha = flight.roughness.alpha();
         let slopes = flight.roughness.slopes();
         let [a, b, c] = self.random(flight.stream);
