@@ -88,7 +88,8 @@ test: fmt lint doc python
 	@$(MAKE) --no-print-directory test-package
 
 # The slowest of the long tests.
-SLOWEST = statistics_near_full_scale statistics_of_uneven_light
+SLOWEST = statistics_near_full_scale statistics_of_uneven_light statistics_of_bounds \
+	statistics_of_correlated_noise statistics_of_predictions
 
 test-statistics: rust tools
 	@echo "== the slowest statistics of fit" >&2

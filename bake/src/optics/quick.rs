@@ -24,7 +24,7 @@ pub(crate) struct Quick {
     reach: f64,
 }
 
-/// What the quick test says of a ray.
+/// Answer of the quick test for one ray.
 pub(crate) struct Glance {
     /// Distance at which the ray meets the facet, edge lengths; [`Triangle::UNMET`] if it does not
     /// meet it or is not sure to.
