@@ -1,9 +1,9 @@
 //! Up to 64 parallel rays that go down the hierarchy together.
 //!
 //! Bounds on all rays of the bundle choose the boxes and facets to look at. Each such facet is then
-//! tested against all rays side by side: in f32 with a bound on its error first. Where that does not
-//! decide, the test makes the same operations in the same order as [`Aspect::meet`]. So every ray
-//! finds the facet that it finds alone, bit for bit.
+//! tested against all rays side by side, first in f32 with a bound on the error. Where that does
+//! not decide, the test makes the same operations in the same order as [`Aspect::meet`]. So every
+//! ray finds the facet that it finds alone, bit for bit.
 
 #![allow(
     clippy::needless_range_loop,
