@@ -51,7 +51,24 @@ pub enum SpectrumError {
         /// The weight that was found.
         weight: f64,
     },
+    /// Wavelengths that no single source and camera span.
+    #[error(
+        "mixes {least_nm} nm and {most_nm} nm, but the longest wavelength may be at most 5 times \
+        the shortest; correct it, or take each by itself"
+    )]
+    Wide {
+        /// Shortest wavelength, nm.
+        least_nm: f64,
+        /// Longest wavelength, nm.
+        most_nm: f64,
+    },
 }
+
+/// Greatest ratio of two wavelengths of a spectrum.
+///
+/// Sources and cameras of silicon span 350 to 1100 nm. The time of a picture grows with the square
+/// of the ratio: the shortest wavelength says how fine its transform is, the longest how wide.
+const MOST_RATIO: f64 = 5.0;
 
 impl Spectrum {
     /// Returns a spectrum of one line with weight 1.
@@ -70,7 +87,7 @@ impl Spectrum {
     /// # Errors
     /// Returns a `SpectrumError` about the first wrong entry: one that is not `wavelength` or
     /// `wavelength:weight`, a wavelength outside 100 to 20000 nm, or a weight that is not finite
-    /// and positive.
+    /// and positive. Returns `SpectrumError::Wide` if one wavelength is more than 5 times another.
     pub fn parse(text: &str) -> Result<Spectrum, SpectrumError> {
         let read = |entry: &str| {
             let number = |word: &str| {
@@ -85,9 +102,16 @@ impl Spectrum {
                 None => line(number(entry)?, 1.0),
             }
         };
-        Ok(Spectrum {
-            lines: text.split(',').map(read).collect::<Result<_, _>>()?,
-        })
+        let lines: Vec<SpectralLine> = text.split(',').map(read).collect::<Result<_, _>>()?;
+        let lengths = || lines.iter().map(|line| line.wavelength_nm);
+        let (least_nm, most_nm) = (
+            lengths().fold(f64::INFINITY, f64::min),
+            lengths().fold(0.0, f64::max),
+        );
+        if most_nm > MOST_RATIO * least_nm {
+            return Err(SpectrumError::Wide { least_nm, most_nm });
+        }
+        Ok(Spectrum { lines })
     }
 
     /// Returns the lines in the order given. There is at least one.
@@ -149,6 +173,7 @@ mod tests {
             ("550", 1),
             ("450:0.2,550:0.5,620:0.3", 3),
             (" 450 : 1 , 550", 2),
+            ("1000,200", 2),
         ];
         for (text, lines) in good {
             assert_eq!(
@@ -161,7 +186,17 @@ mod tests {
         }
         assert_eq!(Spectrum::parse("550"), Spectrum::monochromatic(550.0));
         let bad = [
-            "", "green", "550:", "0.55", "550:-1", "550:nan", "nan", "450;550", "450:1:2",
+            "",
+            "green",
+            "550:",
+            "0.55",
+            "550:-1",
+            "550:nan",
+            "nan",
+            "450;550",
+            "450:1:2",
+            "200,10000",
+            "1001:1,500:1,200:1",
         ];
         for text in bad {
             assert!(Spectrum::parse(text).is_err(), "{text}");

@@ -19,6 +19,9 @@ pub(crate) struct Frame {
     pub axes: [DVec3; 3],
     /// Unit of the cell frame: length of an edge, file units.
     pub edge_length: f64,
+    /// Length of an edge that the file states, or of the longest edge of the first cube, file
+    /// units; `None` without both.
+    pub found_edge_length: Option<f64>,
     /// Direction of the first edge, unit length.
     pub azimuth_zero: DVec3,
     /// True if there is an apex: the cell is made of corner cubes.
@@ -62,10 +65,10 @@ impl Frame {
                 .map(|leg| leg.along.length())
                 .fold(0.0, f64::max)
         });
+        let found_edge_length = mesh.edge_length.or(longest);
         let edge_length = options
             .edge_length
-            .or(mesh.edge_length)
-            .or(longest)
+            .or(found_edge_length)
             .ok_or(Fault::NoApex)?;
         let azimuth_zero = options
             .azimuth_zero
@@ -98,6 +101,7 @@ impl Frame {
             apex: mesh.positions[origin as usize],
             axes,
             edge_length,
+            found_edge_length,
             azimuth_zero,
             has_apex: apex.is_some(),
         })

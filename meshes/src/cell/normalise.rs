@@ -183,6 +183,7 @@ fn placed(
                 extent,
             });
         }
+        warnings.extend(other_edge_length(edge_length, frame.found_edge_length));
     }
     let (largest, rounding) = (
         surface.rounding / f64::EPSILON,
@@ -242,6 +243,19 @@ fn placed(
         mesh_hash: mesh.hash.clone(),
         warnings,
     })
+}
+
+/// Returns a warning if the mesh has another edge length than the one that was given.
+///
+/// Edges of cubes with other angles, or cut ones, are a few per cent longer or shorter than the
+/// user's unit. A wrong unit or a slip is off by more.
+fn other_edge_length(given: f64, found: Option<f64>) -> Option<String> {
+    const MOST: f64 = 1.1;
+    let found = found.filter(|found| !(1.0 / MOST..=MOST).contains(&(found / given)))?;
+    Some(format!(
+        "--edge-length is {given}, but that of the mesh is {found:.6}: all shifts of the table are \
+        in units of {given}, and so is the corner size c of estimates"
+    ))
 }
 
 /// Returns the greatest side of the box around the points.

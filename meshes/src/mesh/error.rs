@@ -79,8 +79,11 @@ pub enum Fault {
     #[error("cannot be written ({0}); check the folder and its permissions")]
     Unwritable(#[source] std::io::Error),
     #[error(
-        "has the extension '{extension}', which is not a mesh format read here; convert it to \
-        .obj, .gltf or .glb"
+        "{}, so it is no mesh format read here; convert it to .obj, .gltf or .glb",
+        match extension.as_str() {
+            "" => "has no extension".to_owned(),
+            other => format!("has the extension '{other}'"),
+        }
     )]
     UnknownExtension { extension: String },
     #[error(

@@ -154,3 +154,43 @@ fn an_inverted_periodic_cell_is_turned_over() {
     );
     assert!(found.warnings.len() == 1 && found.warnings[0].contains("turned over"));
 }
+
+/// A slip or a wrong unit in the edge length is told; an edge a few per cent off is the user's unit.
+#[test]
+fn another_edge_length_than_that_of_the_mesh_is_told() {
+    let measured = mesh(Shape::TriangularPair);
+    let own = normalise(&measured, Path::new("mesh"), &CellOptions::default())
+        .expect("a cell")
+        .edge_length;
+    let stated = Mesh {
+        edge_length: Some(own),
+        ..measured.clone()
+    };
+    let mut cases = 0;
+    for mesh in [&stated, &measured] {
+        for (factor, told) in [
+            (1.0, false),
+            (0.95, false),
+            (1.05, false),
+            (0.5, true),
+            (0.001, true),
+            (1.2, true),
+        ] {
+            let edge_length = factor * own;
+            let options = CellOptions {
+                edge_length: Some(edge_length),
+                ..CellOptions::default()
+            };
+            let warnings = cell(mesh, options).warnings;
+            let warned = |text: &String| text.contains(&format!("--edge-length is {edge_length},"));
+            assert_eq!(
+                warnings.iter().any(warned),
+                told,
+                "{edge_length}: {warnings:?}"
+            );
+            assert_eq!(warnings.len(), usize::from(told), "{warnings:?}");
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 12);
+}

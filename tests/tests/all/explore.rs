@@ -25,11 +25,14 @@ fn picture(here: &Path) {
 }
 
 /// Puts scripts into a page: one that keeps errors before all others, and the probe behind them.
+///
+/// Frames come from timers. Virtual time waits for these, but not for the frames of a busy machine.
 fn probed(page: &str, settings: &Value) -> String {
     let first = "<script>const ERRORS = []; addEventListener('error', (e) => \
         ERRORS.push(e.message)); addEventListener('unhandledrejection', (e) => \
         ERRORS.push(String(e.reason))); console.error = (...all) => \
-        ERRORS.push(all.join(' '));</script><title>";
+        ERRORS.push(all.join(' ')); requestAnimationFrame = (draw) => \
+        setTimeout(draw, 16);</script><title>";
     let probe = format!(
         "<script>const SETTINGS = {settings};\n{}</script>\n</body>",
         include_str!("explore_probe.js")
