@@ -11,14 +11,11 @@
 )]
 
 use crate::optics::{Aspect, Ray};
-use crate::rays::lane::{LANES, Mask, Reals};
+use crate::rays::lane::{LANES, Mask, Reals, Singles, fold, greater, lesser};
 use glam::{DMat3, DVec3};
 
-/// Value of each ray in f32.
-type Lanes = [f32; LANES];
-
 /// Number that stands for no facet.
-pub(crate) const NONE: u64 = u64::MAX;
+pub(crate) const NONE: f64 = u32::MAX as f64;
 
 /// Up to [`LANES`] rays of one direction, and the nearest facet found so far for each.
 pub(crate) struct Bundle {
@@ -26,10 +23,13 @@ pub(crate) struct Bundle {
     pub origin: [Reals; 3],
     /// Bound on the error of each starting point, edge lengths; see [`crate::optics::Ray::slack`].
     pub slack: Reals,
-    /// Distance of the nearest facet, edge lengths; infinite without a facet.
-    pub distance: Reals,
-    /// Number of the nearest facet, or [`NONE`].
-    pub facet: [u64; LANES],
+    /// Nearest facet of each ray, now and before the last facet that was offered.
+    ///
+    /// They change places with every facet. In place, the compiler would store the changed lanes
+    /// alone, which takes many processors dozens of cycles.
+    met: [Met; 2],
+    /// Place in `met` of the nearest facets now.
+    now: usize,
     /// Nodes still to be looked at: a lower bound on their distance, and their number.
     pub waiting: Vec<(f64, u32)>,
     /// Bound on the rounding error of a triple product; see [`crate::optics::Ray::grain`].
@@ -41,9 +41,18 @@ pub(crate) struct Bundle {
     /// Half the size of that box.
     half: DVec3,
     /// Points where the rays start, counted from that centre, edge lengths.
-    near: [Lanes; 3],
+    near: [Singles; 3],
     /// Greatest slack of a ray.
     most_slack: f64,
+}
+
+/// Nearest facet of each ray of a bundle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Met {
+    /// Distance, edge lengths; infinite without a facet.
+    pub distance: Reals,
+    /// Number of the facet, or [`NONE`]: a whole number, as vectors compare it with distances.
+    pub facet: Reals,
 }
 
 /// Bounds on the origins and the direction of all rays of a bundle.
@@ -70,8 +79,11 @@ impl Bundle {
         Bundle {
             origin: [[0.0; LANES]; 3],
             slack: [0.0; LANES],
-            distance: [0.0; LANES],
-            facet: [NONE; LANES],
+            met: [Met {
+                distance: [0.0; LANES],
+                facet: [NONE; LANES],
+            }; 2],
+            now: 0,
             waiting: Vec::new(),
             grain: 0.0,
             vectors: 0,
@@ -84,7 +96,7 @@ impl Bundle {
 
     /// Takes from one to [`LANES`] rays that start at `origin` (by axis) with `slack`.
     ///
-    /// Lanes without a ray repeat the last ray.
+    /// Singles without a ray repeat the last ray.
     #[inline(always)]
     pub(crate) fn fill(&mut self, origin: [&[f64]; 3], slack: &[f64], grain: f64) {
         let count = slack.len();
@@ -95,13 +107,21 @@ impl Bundle {
         self.grain = grain;
         self.vectors = count.div_ceil(8);
         let lanes = whole(self.vectors);
-        // Lanes beyond these vectors must find nothing.
-        self.distance[..lanes].fill(f64::INFINITY);
-        self.distance[lanes..].fill(0.0);
-        self.facet = [NONE; LANES];
+        // Singles beyond these vectors find nothing, so they are never looked at.
+        let met = &mut self.met[self.now];
+        met.distance[..lanes].fill(f64::INFINITY);
+        met.facet[..lanes].fill(NONE);
         let [x, y, z] = &self.origin;
-        let low = DVec3::new(fold(x, lesser), fold(y, lesser), fold(z, lesser));
-        let high = DVec3::new(fold(x, greater), fold(y, greater), fold(z, greater));
+        let low = DVec3::new(
+            fold::<8, _>(x, lesser),
+            fold::<8, _>(y, lesser),
+            fold::<8, _>(z, lesser),
+        );
+        let high = DVec3::new(
+            fold::<8, _>(x, greater),
+            fold::<8, _>(y, greater),
+            fold::<8, _>(z, greater),
+        );
         self.centre = (low + high) / 2.0;
         // The last term makes up for the rounding of the centre.
         self.half = (high - low) / 2.0 + (low.abs() + high.abs()) * f64::EPSILON;
@@ -111,7 +131,7 @@ impl Bundle {
                 self.near[axis][lane] = (self.origin[axis][lane] - middle) as f32;
             }
         }
-        self.most_slack = fold(&self.slack, greater);
+        self.most_slack = fold::<8, _>(&self.slack, greater);
     }
 
     /// Returns bounds on the rays, which travel along `direction`, in `frame`.
@@ -125,22 +145,28 @@ impl Bundle {
             high: [0.0; 3],
             inverse: direction.to_array().map(inverse),
         };
-        let [x, y, z] = &self.origin;
+        let [x, y, z] = &self.near;
+        // In f32 a sum of three products of numbers up to the half size is off by less than 8 times
+        // 2^-24 of their sum. Here are 16.
+        let rounding = (-20_f64).exp2() * self.half.element_sum();
         for axis in 0..3 {
             let along = frame.row(axis);
-            let (mut low, mut high) = ([f64::INFINITY; 8], [f64::NEG_INFINITY; 8]);
+            let [a, b, c] = along.as_vec3().to_array();
+            let (mut low, mut high) = ([f32::MAX; 8], [f32::MIN; 8]);
             for first in (0..whole(self.vectors)).step_by(8) {
                 for lane in 0..8 {
-                    let at = x[first + lane] * along.x
-                        + y[first + lane] * along.y
-                        + z[first + lane] * along.z;
+                    let at = x[first + lane] * a + y[first + lane] * b + z[first + lane] * c;
                     low[lane] = lesser(at, low[lane]);
                     high[lane] = greater(at, high[lane]);
                 }
             }
-            let middle = centre.dot(along);
-            bounds.low[axis] = low.into_iter().fold(f64::INFINITY, lesser) - middle;
-            bounds.high[axis] = high.into_iter().fold(f64::NEG_INFINITY, greater) - middle;
+            let middle = (self.centre - centre).dot(along);
+            let [low, high] = [
+                low.into_iter().fold(f32::MAX, lesser),
+                high.into_iter().fold(f32::MIN, greater),
+            ];
+            bounds.low[axis] = middle + f64::from(low) - rounding;
+            bounds.high[axis] = middle + f64::from(high) + rounding;
         }
         bounds
     }
@@ -161,7 +187,13 @@ impl Bundle {
     /// Returns the distance beyond which no ray of the bundle looks for facets.
     #[inline(always)]
     pub(crate) fn limit(&self) -> f64 {
-        fold(&self.distance, greater)
+        fold::<8, _>(&self.met().distance[..whole(self.vectors)], greater)
+    }
+
+    /// Returns the nearest facet found so far for each ray.
+    #[inline(always)]
+    pub(crate) fn met(&self) -> &Met {
+        &self.met[self.now]
     }
 
     /// Returns the edges of the facet that rays may pass on either side, and their number. All rays
@@ -242,7 +274,11 @@ impl Bundle {
 
     /// Returns a lower and an upper bound on the least of the rays' triple products with `edges`.
     #[inline(always)]
-    fn bounds_inside<const N: usize>(&self, edges: [Edge; N], aspect: &Aspect) -> (Lanes, Lanes) {
+    fn bounds_inside<const N: usize>(
+        &self,
+        edges: [Edge; N],
+        aspect: &Aspect,
+    ) -> (Singles, Singles) {
         let inward = edges.map(|edge| aspect.inward[edge.number].as_vec3());
         let values = edges.map(|edge| edge.value as f32);
         let errors = edges.map(|edge| edge.error());
@@ -253,8 +289,8 @@ impl Bundle {
             for edge in 0..N {
                 let along = inward[edge];
                 let at = x[lane] * along.x + y[lane] * along.y + z[lane] * along.z + values[edge];
-                low = below(at - errors[edge], low);
-                high = below(at + errors[edge], high);
+                low = lesser(at - errors[edge], low);
+                high = lesser(at + errors[edge], high);
             }
             (surely[lane], maybe[lane]) = (low, high);
         }
@@ -275,20 +311,24 @@ impl Bundle {
         };
         let (side, vectors) = (aspect.side, self.vectors);
         let height = over(&self.origin, vectors, aspect.corners[0], aspect.normal);
-        // From copies: in place, the compiler would store the changed lanes alone, which takes many
-        // processors dozens of cycles.
-        let (distances, numbers) = (self.distance, self.facet);
+        let [even, odd] = &mut self.met;
+        let (known, next) = if self.now == 0 {
+            (&*even, odd)
+        } else {
+            (&*odd, even)
+        };
+        let index = index as f64;
         for lane in 0..whole(vectors) {
             let ahead = side * height[lane] >= -(side * self.slack[lane]);
             let quotient = -height[lane] / aspect.cosine;
             let distance = if quotient > 0.0 { quotient } else { 0.0 };
-            let known = distances[lane];
-            let nearer =
-                (distance < known) | ((distance == known) & ((index as u64) < numbers[lane]));
+            let (least, number) = (known.distance[lane], known.facet[lane]);
+            let nearer = (distance < least) | ((distance == least) & (index < number));
             let met = (on[lane] != 0) & ahead & nearer;
-            self.distance[lane] = if met { distance } else { known };
-            self.facet[lane] = if met { index as u64 } else { numbers[lane] };
+            next.distance[lane] = if met { distance } else { least };
+            next.facet[lane] = if met { index } else { number };
         }
+        self.now = 1 - self.now;
         true
     }
 }
@@ -379,38 +419,6 @@ pub(crate) fn inverse(component: f64) -> f64 {
     }
 }
 
-/// Returns the lesser of two numbers in f32 by a single instruction; neither may be NaN.
-#[inline(always)]
-fn below(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// Returns the lesser of two numbers by a single instruction; neither may be NaN.
-#[inline(always)]
-fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// Returns the greater of two numbers by a single instruction; neither may be NaN.
-#[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// Reduces all lanes to one value by `choose`.
-///
-/// It takes eight lanes side by side, and then those eight: an order that vectors can keep.
-#[inline(always)]
-fn fold(values: &Reals, choose: impl Fn(f64, f64) -> f64) -> f64 {
-    let mut eight = [values[0]; 8];
-    for chunk in values.chunks_exact(8) {
-        for lane in 0..8 {
-            eight[lane] = choose(eight[lane], chunk[lane]);
-        }
-    }
-    eight.into_iter().fold(eight[0], choose)
-}
-
 impl Bounds {
     /// Returns an upper bound on the distance of any origin from the centre, edge lengths.
     pub(crate) fn farthest(&self) -> f64 {
@@ -483,6 +491,47 @@ mod tests {
         assert_eq!(cases, 24);
     }
 
+    /// Origins close together and far apart, near the centre and far from it: none lies outside of
+    /// the bounds, in any frame. The bounds are no wider than their rounding in f32.
+    #[test]
+    fn origins_lie_within_the_bounds() {
+        let mut cases = 0;
+        for turn in 0..200_u32 {
+            let t = f64::from(turn);
+            let size = [1.0, 1e-3, 1e-9, 0.0][turn as usize % 4];
+            let middle = DVec3::new((1.1 * t).sin(), (2.3 * t).cos(), (0.7 * t).sin()) * 50.0;
+            let at = |k: usize, way: f64| middle.x + size * (way * k as f64).sin();
+            let origins =
+                [1.3, 2.9, 7.1].map(|way| (0..60).map(|k| at(k, way)).collect::<Vec<_>>());
+            let mut bundle = Bundle::new();
+            bundle.fill([&origins[0], &origins[1], &origins[2]], &[1e-15; 60], 1e-15);
+            let frame = DMat3::from_axis_angle(middle.normalize(), t);
+            let bounds = bundle.bounds(DVec3::NEG_Z, middle, &frame);
+            for k in 0..60 {
+                let origin = DVec3::new(origins[0][k], origins[1][k], origins[2][k]);
+                let own = (frame * (origin - middle)).to_array();
+                // The expected value is itself rounded at coordinates up to 100.
+                let rounding = 200.0 * f64::EPSILON;
+                for axis in 0..3 {
+                    assert!(
+                        own[axis] >= bounds.low[axis] - rounding,
+                        "{turn} {k} {axis}"
+                    );
+                    assert!(
+                        own[axis] <= bounds.high[axis] + rounding,
+                        "{turn} {k} {axis}"
+                    );
+                    cases += 1;
+                }
+            }
+            for axis in 0..3 {
+                let width = bounds.high[axis] - bounds.low[axis];
+                assert!(width <= 4.0 * size + 1e-12, "{turn}: {width}");
+            }
+        }
+        assert_eq!(cases, 200 * 60 * 3);
+    }
+
     /// Two facets lie in one place. Whichever is offered first, all rays take the lower number.
     #[test]
     fn of_two_facets_in_one_place_the_lower_number_is_met() {
@@ -500,8 +549,8 @@ mod tests {
             for index in order {
                 assert!(bundle.offer(index, &aspect));
             }
-            assert_eq!(bundle.facet[..3], [4; 3], "{order:?}");
-            assert_eq!(bundle.distance[..3], z);
+            assert_eq!(bundle.met().facet[..3], [4.0; 3], "{order:?}");
+            assert_eq!(bundle.met().distance[..3], z);
         }
     }
 
@@ -542,7 +591,8 @@ mod tests {
             bundle.offer(7, &aspect);
             for (lane, ray) in rays.iter().enumerate() {
                 let alone = aspect.meet(ray);
-                let found = (bundle.facet[lane] == 7).then_some(bundle.distance[lane]);
+                let found =
+                    (bundle.met().facet[lane] == 7.0).then_some(bundle.met().distance[lane]);
                 assert_eq!(found, alone, "{turn} {lane}");
                 cases += 1;
                 met += u32::from(alone.is_some());

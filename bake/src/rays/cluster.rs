@@ -13,14 +13,11 @@ use crate::optics::{Ray, Triangle};
 use crate::rays::block::{Block, Sight};
 use crate::rays::bundle::{Boxes, inverse};
 use crate::rays::frames::MOST_FRAMES;
-use crate::rays::lane::LANES;
+use crate::rays::lane::{LANES, Singles, fold, greater, lesser};
 use crate::rays::nearest::Nearest;
 use crate::rays::simd::fetch;
 use crate::rays::tree::Node;
 use glam::{DMat3, DVec3};
-
-/// Value of each ray in f32.
-type Lanes = [f32; LANES];
 
 /// Up to [`LANES`] rays, and the nearest facet of each.
 pub(crate) struct Cluster {
@@ -38,13 +35,13 @@ pub(crate) struct Cluster {
     /// Way from the start of each ray to the point from which boxes see it, edge lengths.
     skipped: Vec<f64>,
     /// Distance from this point up to which each ray looks for facets, edge lengths.
-    to: Lanes,
+    to: Singles,
 }
 
 /// Origins and inverse directions of rays in a frame, with bounds on all of them.
 struct Lines {
-    origin: [Lanes; 3],
-    inverse: [Lanes; 3],
+    origin: [Singles; 3],
+    inverse: [Singles; 3],
     /// Least and greatest origin by axis.
     origins: [[f32; 2]; 3],
     /// Least and greatest inverse by axis.
@@ -117,7 +114,7 @@ impl Cluster {
     /// Returns the distance beyond which no ray looks for facets.
     #[inline(always)]
     pub(crate) fn limit(&self) -> f32 {
-        fold(&self.to, greater)
+        fold::<16, _>(&self.to, greater)
     }
 
     /// Returns a lower bound on the distance at which a ray enters each box of `node`, and the set
@@ -197,7 +194,7 @@ impl Lines {
     /// Bounds all lanes.
     #[inline(always)]
     fn bound(&mut self) {
-        let ends = |lanes: &Lanes| [fold(lanes, lesser), fold(lanes, greater)];
+        let ends = |lanes: &Singles| [fold::<16, _>(lanes, lesser), fold::<16, _>(lanes, greater)];
         for axis in 0..3 {
             self.origins[axis] = ends(&self.origin[axis]);
             let [low, high] = ends(&self.inverse[axis]);
@@ -235,7 +232,7 @@ impl Lines {
 
     /// Returns the set of rays that enter the box between `ends` within the distances `to`.
     #[inline(always)]
-    fn entering(&self, [low, high]: [[f32; 3]; 2], to: &Lanes) -> u64 {
+    fn entering(&self, [low, high]: [[f32; 3]; 2], to: &Singles) -> u64 {
         let (mut from, mut until) = ([0.0; LANES], *to);
         for axis in 0..3 {
             let (origin, inverse) = (&self.origin[axis], &self.inverse[axis]);
@@ -257,32 +254,6 @@ impl Lines {
 
 /// Bound on the inverse of a component of a direction.
 const MOST: f32 = 1e30;
-
-/// Returns the lesser of two numbers by a single instruction; neither may be NaN.
-#[inline(always)]
-fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// Returns the greater of two numbers by a single instruction; neither may be NaN.
-#[inline(always)]
-fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// Reduces all lanes to one value by `choose`.
-///
-/// It takes sixteen lanes side by side, and then those sixteen: an order that vectors can keep.
-#[inline(always)]
-fn fold(values: &Lanes, choose: impl Fn(f32, f32) -> f32) -> f32 {
-    let mut some = [values[0]; 16];
-    for chunk in values.chunks_exact(16) {
-        for lane in 0..16 {
-            some[lane] = choose(chunk[lane], some[lane]);
-        }
-    }
-    some.into_iter().fold(some[0], choose)
-}
 
 #[cfg(test)]
 mod tests {

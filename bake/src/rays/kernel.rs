@@ -5,7 +5,7 @@ use crate::rays::bins::Bins;
 use crate::rays::bundle::Bundle;
 use crate::rays::bvh::Hierarchy;
 use crate::rays::departures::Departures;
-use crate::rays::entries::{Entry, Part, entries, rays, side_by_side};
+use crate::rays::entries::{Entry, Part, entries, neighbours, rays};
 use crate::rays::exits::Exits;
 use crate::rays::lanes;
 use crate::rays::lanes::Batch;
@@ -41,7 +41,7 @@ const RUN_OF_SORTED: u64 = 1 << 20;
 /// Pieces of half the size take 15 % longer on a mesh of 2,048 cubes.
 const RUN_OF_NEIGHBOURS: u64 = 1 << 21;
 
-/// Number of rays that are sorted into packets at a time; each takes 80 bytes.
+/// Number of rays that are sorted into packets at a time; each takes 52 bytes for each of its reflections.
 const NEIGHBOURS: usize = 1 << 16;
 
 /// Smallest number of rays per facet for which packets are worth their cost in a large scene.
@@ -134,7 +134,7 @@ impl Kernel {
             || rules.glass_index.is_some()
             || rules.follows_the_front()
             || scenes.iter().any(|scene| scene.is_curved());
-        let side_by_side = direction.is_some()
+        let neighbours = direction.is_some()
             && rules.losses.is_none()
             && rules.glass_index.is_none()
             && !rules.follows_the_front()
@@ -152,7 +152,7 @@ impl Kernel {
         let programs: Option<Vec<Program>> = if alone { None } else { programs.collect() };
         Kernel {
             programs: programs.unwrap_or_default(),
-            rough: rules.roughness.filter(|_| side_by_side),
+            rough: rules.roughness.filter(|_| neighbours),
             instructions: InstructionSet::best(),
             // Rays with an azimuth of their own are not parallel, so they form no packets.
             packets: direction.is_some() && !alone && !chances,
@@ -341,10 +341,12 @@ impl Kernel {
                 bins: &self.bins,
                 exits: self.exits.as_ref(),
                 instructions: self.instructions,
+                entries: &[],
                 stages: Vec::new(),
                 bundle: Bundle::new(),
             };
-            for neighbours in self.neighbours(number, parts).chunks(NEIGHBOURS) {
+            let entries = self.neighbours(number, parts);
+            for neighbours in entries.chunks(NEIGHBOURS) {
                 packets.trace(neighbours, tallies);
             }
         }
@@ -370,13 +372,7 @@ impl Kernel {
 
     /// Returns the rays that enter scene number `scene`, sorted into tiles.
     fn neighbours(&self, scene: usize, parts: &[Part]) -> Vec<Entry> {
-        let drawn = entries(&self.launch, parts).filter(|entry| entry.0 == scene);
-        let mut entries = match &self.scenes[..] {
-            [_] => Vec::with_capacity(rays(parts) as usize),
-            _ => Vec::new(),
-        };
-        entries.extend(drawn.map(|entry| entry.1));
-        side_by_side(&self.launch, &entries, |entry| entry.point)
+        neighbours(&self.launch, parts, scene, self.instructions)
     }
 
     /// Returns the direction of sample `index` of `stream`.
@@ -411,15 +407,13 @@ impl Kernel {
 
     /// Traces the samples of `parts` ray by ray with [`trace`].
     fn trace_alone(&self, parts: &[Part], tallies: &mut [Tally]) {
-        let entries = entries(&self.launch, parts);
         if !self.is_large() {
-            return self.trace_entries(parts, entries, tallies);
+            return self.trace_entries(parts, entries(&self.launch, parts), tallies);
         }
         // The facets that a neighbour has met are still in the cache.
-        let entries: Vec<(usize, Entry)> = entries.collect();
-        for some in entries.chunks(RUN_OF_NEIGHBOURS as usize) {
-            let some = side_by_side(&self.launch, some, |entry| entry.1.point);
-            self.trace_entries(parts, some.into_iter(), tallies);
+        for scene in 0..self.scenes.len() {
+            let entries = self.neighbours(scene, parts).into_iter();
+            self.trace_entries(parts, entries.map(|entry| (scene, entry)), tallies);
         }
     }
 

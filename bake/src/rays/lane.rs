@@ -16,6 +16,9 @@ pub(crate) const LANES: usize = 64;
 /// Number for each lane.
 pub(crate) type Reals = [f64; LANES];
 
+/// Number in f32 for each lane.
+pub(crate) type Singles = [f32; LANES];
+
 /// Set of rays, one word for each lane; the user of the type defines the meaning of the bits.
 pub(crate) type Mask = [u64; LANES];
 
@@ -29,6 +32,32 @@ pub(crate) fn choose(values: &mut Reals, new: &Reals, taken: &Mask) {
         let value = (new[lane].to_bits() & chosen) | (values[lane].to_bits() & !chosen);
         values[lane] = f64::from_bits(value);
     }
+}
+
+/// Returns the lesser of two numbers by a single instruction; neither may be NaN.
+#[inline(always)]
+pub(crate) fn lesser<T: PartialOrd>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}
+
+/// Returns the greater of two numbers by a single instruction; neither may be NaN.
+#[inline(always)]
+pub(crate) fn greater<T: PartialOrd>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}
+
+/// Reduces numbers, a multiple of `WIDTH` and at least one, to one number by `choose`.
+///
+/// It takes `WIDTH` of them side by side, and then those: an order that vectors can keep.
+#[inline(always)]
+pub(crate) fn fold<const WIDTH: usize, T: Copy>(values: &[T], choose: impl Fn(T, T) -> T) -> T {
+    let mut some = [values[0]; WIDTH];
+    for chunk in values.chunks_exact(WIDTH) {
+        for lane in 0..WIDTH {
+            some[lane] = choose(chunk[lane], some[lane]);
+        }
+    }
+    some.into_iter().fold(some[0], choose)
 }
 
 /// 2^52, which leaves the nearest integer in the low bits when it is added to a number of 0 to

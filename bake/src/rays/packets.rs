@@ -31,17 +31,20 @@ pub(crate) struct Packets<'a> {
     pub exits: Option<&'a Grid>,
     /// Instruction set that bundles are traced with.
     pub instructions: InstructionSet,
+    /// Rays at the entrance.
+    pub entries: &'a [Entry],
     /// Packets under way, by the number of their reflections.
     pub stages: Vec<Packet>,
     /// Working memory for one bundle.
     pub bundle: Bundle,
 }
 
-impl Packets<'_> {
+impl<'a> Packets<'a> {
     /// Traces the rays of `entries`, of which neighbours come after each other.
     ///
     /// Each ray is counted in the tally of its part.
-    pub(crate) fn trace(&mut self, entries: &[Entry], tallies: &mut [Tally]) {
+    pub(crate) fn trace(&mut self, entries: &'a [Entry], tallies: &mut [Tally]) {
+        self.entries = entries;
         let (scene, travel) = (self.scene, self.direction.travel);
         let ray = scene.enter(DVec2::ZERO, travel);
         let first = self.stage(0);
@@ -50,7 +53,7 @@ impl Packets<'_> {
         first.position[1].extend(entries.iter().map(|entry| entry.point.y));
         first.position[2].resize(entries.len(), ray.origin.z);
         first.slack.resize(entries.len(), ray.slack);
-        first.entry.extend(entries);
+        first.entry.extend(0..entries.len() as u32);
         self.follow(0, None, &Course::new(self.direction), tallies);
     }
 
@@ -96,7 +99,7 @@ impl Packets<'_> {
             let facet = &self.scene.facets()[number_of_facet];
             let front = course.direction.dot(facet.normal) < 0.0;
             match course.past(facet.normal, front, self.rules) {
-                Err(fate) => end(&packet, members, fate, tallies),
+                Err(fate) => self.end(&packet, members, fate, tallies),
                 Ok(onward) => {
                     let reach = self.scene.reach();
                     let slack = |distance| facet.slack_after(course.direction, distance, reach);
@@ -118,13 +121,13 @@ impl Packets<'_> {
     ) {
         let fate = course.left(self.direction, self.rules);
         if fate != Fate::Retroreflected {
-            return end(packet, members, fate, tallies);
+            return self.end(packet, members, fate, tallies);
         }
         let index = self.rules.refractive_index;
         let deviation = self.direction.deviation(course.direction, index);
         for which in members {
             let exit = course.at_height(self.scene.height(), packet.position(which));
-            let entry = &packet.entry[which];
+            let entry = &self.entries[packet.entry[which] as usize];
             let shift = self.direction.to_frame(exit - entry.point);
             let tally = &mut tallies[entry.part()];
             tally.count_shift(self.bins, shift);
@@ -133,20 +136,22 @@ impl Packets<'_> {
             }
         }
     }
-}
 
-/// Counts the `members` of `packet`, which all have the fate given.
-fn end(
-    packet: &Packet,
-    members: impl ExactSizeIterator<Item = usize>,
-    fate: Fate,
-    tallies: &mut [Tally],
-) {
-    if let [tally] = tallies {
-        tally.fates[fate as usize] += members.len() as u64;
-        return;
-    }
-    for which in members {
-        tallies[packet.entry[which].part()].fates[fate as usize] += 1;
+    /// Counts the `members` of `packet`, which all have the fate given.
+    fn end(
+        &self,
+        packet: &Packet,
+        members: impl ExactSizeIterator<Item = usize>,
+        fate: Fate,
+        tallies: &mut [Tally],
+    ) {
+        if let [tally] = tallies {
+            tally.fates[fate as usize] += members.len() as u64;
+            return;
+        }
+        for which in members {
+            let entry = &self.entries[packet.entry[which] as usize];
+            tallies[entry.part()].fates[fate as usize] += 1;
+        }
     }
 }

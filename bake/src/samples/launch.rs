@@ -143,8 +143,13 @@ impl Launch {
     /// over the piece.
     #[inline]
     pub(crate) fn entry(&self, stream: &Stream, index: u64) -> (usize, DVec2) {
-        let [x, y] = stream.pair(index);
-        let (c0, c1) = (centred(x), centred(y));
+        self.entry_of(stream.pair(index))
+    }
+
+    /// Returns what [`Launch::entry`] does for the sample with the first two coordinates `digits`.
+    #[inline(always)]
+    pub(crate) fn entry_of(&self, digits: [u32; 2]) -> (usize, DVec2) {
+        let [c0, c1] = digits.map(centred);
         if let [piece] = &self.pieces[..] {
             return (piece.scene, piece.point(c0, c1));
         }
