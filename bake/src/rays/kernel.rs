@@ -41,7 +41,8 @@ const RUN_OF_SORTED: u64 = 1 << 20;
 /// Pieces of half the size take 15 % longer on a mesh of 2,048 cubes.
 const RUN_OF_NEIGHBOURS: u64 = 1 << 21;
 
-/// Number of rays that are sorted into packets at a time; each takes 52 bytes for each of its reflections.
+/// Number of rays that are sorted into packets at a time. Each takes 52 bytes for each of its
+/// reflections.
 const NEIGHBOURS: usize = 1 << 16;
 
 /// Smallest number of rays per facet for which packets are worth their cost in a large scene.

@@ -195,7 +195,7 @@ mod tests {
         let mut cases = 0;
         for count in [0, 1, 2, 7, 64, 200] {
             for facets in [1, 2, 8, 9, 40] {
-                let facet = |ray: u64| (ray * 2_654_435_769 >> 7) % facets;
+                let facet = |ray: u64| ((ray * 2_654_435_769) >> 7) % facets;
                 let met: Vec<u64> = (0..count).map(|ray| facet(ray) << 32 | ray).collect();
                 let mut found = met.clone();
                 gather(&mut found);
