@@ -46,6 +46,8 @@ struct Lines {
     origins: [[f32; 2]; 3],
     /// Least and greatest inverse by axis.
     inverses: [[f32; 2]; 3],
+    /// End of a box, 0 or 1 by axis, through which all rays go in; `None` if they differ.
+    first: Option<[usize; 3]>,
 }
 
 impl Cluster {
@@ -56,6 +58,7 @@ impl Cluster {
             inverse: [[1.0; LANES]; 3],
             origins: [[0.0; 2]; 3],
             inverses: [[1.0; 2]; 3],
+            first: None,
         };
         Cluster {
             rays: Vec::new(),
@@ -204,6 +207,12 @@ impl Lines {
                 false => [low, high],
             };
         }
+        let same = |[low, high]: &[f32; 2]| (*low >= 0.0) | (*high <= 0.0);
+        self.first = self
+            .inverses
+            .iter()
+            .all(same)
+            .then(|| self.inverses.map(|[_, high]| usize::from(high <= 0.0)));
     }
 
     /// Returns what [`Cluster::reach`] does.
@@ -213,6 +222,19 @@ impl Lines {
     #[inline(always)]
     fn reach(&self, boxes: &Boxes, limit: f32) -> ([f32; 8], u32) {
         let (mut from, mut to) = ([0.0; 8], [limit; 8]);
+        if let Some(first) = self.first {
+            for axis in 0..3 {
+                let end = first[axis];
+                let (origins, [low, high]) = (self.origins[axis], self.inverses[axis]);
+                let (near, far) = (&boxes.ends[end][axis], &boxes.ends[1 - end][axis]);
+                for i in 0..8 {
+                    let (one, other) = (near[i] - origins[1 - end], far[i] - origins[end]);
+                    from[i] = greater(lesser(one * low, one * high), from[i]);
+                    to[i] = lesser(greater(other * low, other * high), to[i]);
+                }
+            }
+            return (from, met(&from, &to));
+        }
         for axis in 0..3 {
             let ([least, greatest], [low, high]) = (self.origins[axis], self.inverses[axis]);
             for i in 0..8 {
@@ -223,20 +245,25 @@ impl Lines {
                 to[i] = lesser(greater(greater(a, b), greater(c, d)), to[i]);
             }
         }
-        let mut met = 0;
-        for i in 0..8 {
-            met |= u32::from(from[i] <= to[i]) << i;
-        }
-        (from, met)
+        (from, met(&from, &to))
     }
 
     /// Returns the set of rays that enter the box between `ends` within the distances `to`.
     #[inline(always)]
-    fn entering(&self, [low, high]: [[f32; 3]; 2], to: &Singles) -> u64 {
+    fn entering(&self, ends: [[f32; 3]; 2], to: &Singles) -> u64 {
         let (mut from, mut until) = ([0.0; LANES], *to);
         for axis in 0..3 {
             let (origin, inverse) = (&self.origin[axis], &self.inverse[axis]);
-            let (low, high) = (low[axis], high[axis]);
+            if let Some(first) = self.first {
+                let end = first[axis];
+                let (near, far) = (ends[end][axis], ends[1 - end][axis]);
+                for lane in 0..LANES {
+                    from[lane] = greater((near - origin[lane]) * inverse[lane], from[lane]);
+                    until[lane] = lesser((far - origin[lane]) * inverse[lane], until[lane]);
+                }
+                continue;
+            }
+            let (low, high) = (ends[0][axis], ends[1][axis]);
             for lane in 0..LANES {
                 let one = (low - origin[lane]) * inverse[lane];
                 let other = (high - origin[lane]) * inverse[lane];
@@ -250,6 +277,16 @@ impl Lines {
         }
         entering
     }
+}
+
+/// Returns the set of eight boxes that are left no earlier than they are entered.
+#[inline(always)]
+fn met(from: &[f32; 8], to: &[f32; 8]) -> u32 {
+    let mut met = 0;
+    for i in 0..8 {
+        met |= u32::from(from[i] <= to[i]) << i;
+    }
+    met
 }
 
 /// Bound on the inverse of a component of a direction.
