@@ -89,7 +89,8 @@ test: fmt lint doc python
 
 # The slowest of the long tests.
 SLOWEST = statistics_near_full_scale statistics_of_uneven_light statistics_of_bounds \
-	statistics_of_correlated_noise statistics_of_predictions
+	statistics_of_correlated_noise statistics_of_predictions statistics_of_mtf10_in_noise \
+	traced_photographs_give_their_corner_size
 
 test-statistics: rust tools
 	@echo "== the slowest statistics of fit" >&2

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """How near the tracing kernels of bake come to the limits of the processor.
 
-    python roofline.py --bake path/to/bake
+    python roofline.py --bake path/to/bake [--mesh one.obj]
 
-Needs valgrind and a C compiler. For each cell:
+`--mesh` names a mesh of many facets that goes down the hierarchy. Needs valgrind and a C compiler.
+For each cell:
 
 - **Work of a ray**: valgrind's tool lackey counts operations and bytes of two bakes that differ in
   their number of rays only. The difference, divided by the rays, is the work of one ray. valgrind
@@ -20,24 +21,33 @@ import argparse
 import os
 import re
 import resource
+import shutil
 import statistics
 import subprocess
 import tempfile
 
 ERRORS = ["--dihedral-error-mrad=0.5,0,-0.3"]
 FRESNEL = ["--losses", "fresnel", "--back", "tir", "--refractive-index", "1.49"]
+CURVED = ["triangular-pair", "--sag", "1e-4", "--segments", "40"]
+# Name, design, options of the bake, and how many times fewer rays are counted and timed.
 CASES = [
-    ("ideal cube", ["triangular"], []),
-    ("dihedral errors", ["triangular", *ERRORS], []),
-    ("Fresnel losses", ["triangular"], FRESNEL),
-    ("full cubes, lattice, dihedral errors", ["full-cube", *ERRORS], []),
-    ("rough facets", ["triangular"], ["--roughness", "0.001"]),
+    ("ideal cube", ["triangular"], [], 1),
+    ("dihedral errors", ["triangular", *ERRORS], [], 1),
+    ("Fresnel losses", ["triangular"], FRESNEL, 1),
+    ("full cubes, lattice, dihedral errors", ["full-cube", *ERRORS], [], 1),
+    ("rough facets", ["triangular"], ["--roughness", "0.001"], 4),
+    ("9,600 curved facets", CURVED, ["--normals", "file"], 4),
 ]
 
 LIMITS = r"""
 #include <stdio.h>
 #include <time.h>
+// Twelve vectors must fit in the registers.
+#ifdef __AVX512F__
 #define LANES 8
+#else
+#define LANES 4
+#endif
 typedef double lanes __attribute__((vector_size(8 * LANES)));
 static double now(void) {
     struct timespec t;
@@ -133,26 +143,33 @@ def seconds(words):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--bake", default="bake", help="program to measure")
+    parser.add_argument("--mesh", help="mesh of many facets, for a row of its own")
+    parser.add_argument("--only", default="", help="cases whose names contain this text")
     parser.add_argument("--rounds", type=int, default=5, help="rounds of each time")
     args = parser.parse_args()
-    few, some, many = 1 << 17, 5 << 17, 1 << 25
     with tempfile.TemporaryDirectory() as folder:
         peak, copied = limits(folder)
         print(f"one core: {peak / 1e9:.1f} G lanes/s, {copied / 1e9:.0f} GB/s in the first cache\n")
         heads = "lanes", "other operations", "bytes", "M rays/s", "of the lanes", "of the bytes"
         print("| cell | " + " | ".join(heads) + " |")
         print("| --- | --- | --- | --- | --- | --- | --- |")
-        for name, design, trace in CASES:
+        cases = [*CASES, (args.mesh, None, [], 4)] if args.mesh else CASES
+        for name, design, trace, fewer in cases:
+            if args.only not in name:
+                continue
             mesh = os.path.join(folder, "cell.obj")
-            subprocess.run([args.bake, "design", *design, "-o", mesh], check=True)
+            if design:
+                subprocess.run([args.bake, "design", *design, "-o", mesh], check=True)
+            else:
+                shutil.copy(name, mesh)
+            few, some, count = (rays // fewer for rays in (1 << 17, 5 << 17, 1 << 25))
             both = [work(command(args, mesh, trace, rays)) for rays in (few, some)]
             lanes, scalar, moved = ((b - a) / (some - few) for a, b in zip(*both))
-            count = many if name != "rough facets" else many >> 2
             longer = [seconds(command(args, mesh, trace, count)) for _ in range(args.rounds)]
             start = [seconds(command(args, mesh, trace, few)) for _ in range(args.rounds)]
             rate = (count - few) / (statistics.median(longer) - statistics.median(start))
             print(
-                f"| {name} | {lanes:.0f} | {scalar:.0f} | {moved:.0f} | {rate / 1e6:.0f} "
+                f"| {name} | {lanes:.0f} | {scalar:.0f} | {moved:.0f} | {rate / 1e6:.3g} "
                 f"| {100 * lanes * rate / peak:.0f} % | {100 * moved * rate / copied:.0f} % |"
             )
 

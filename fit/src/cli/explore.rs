@@ -105,7 +105,7 @@ pub(crate) struct Arguments {
         help_heading = "Page"
     )]
     pub azimuth: Option<f64>,
-    /// Width of the picture that the page shows first, mm.
+    /// Width of the picture that the page shows first, mm, from 10 to 3000.
     #[arg(
         long,
         value_name = "MM",
@@ -275,6 +275,9 @@ pub(super) fn made(
     })
 }
 
+/// Least and greatest width of a picture on the page, mm: the ends of the slider in `main.js`.
+const WIDTHS: [f64; 2] = [10.0, 3000.0];
+
 impl Arguments {
     /// Returns the settings that the page shows first.
     ///
@@ -286,6 +289,14 @@ impl Arguments {
         if let Some(asked) = (self.incidence).filter(|asked| !(least..=most).contains(asked)) {
             let message = format!(
                 "the table covers incidence {least} to {most} degrees, and not --incidence {asked}"
+            );
+            return Err(Failure::conflict("fit explore", message));
+        }
+        if let Some(asked) = (self.width).filter(|asked| !(WIDTHS[0]..=WIDTHS[1]).contains(asked)) {
+            let [least, most] = WIDTHS;
+            let message = format!(
+                "the page shows pictures {least} to {most} mm wide, and not --width {asked}; fit \
+                render shows other sizes"
             );
             return Err(Failure::conflict("fit explore", message));
         }

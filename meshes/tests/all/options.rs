@@ -155,7 +155,8 @@ fn an_inverted_periodic_cell_is_turned_over() {
     assert!(found.warnings.len() == 1 && found.warnings[0].contains("turned over"));
 }
 
-/// A slip or a wrong unit in the edge length is told; an edge a few per cent off is the user's unit.
+/// A slip or a wrong unit in the edge length is told. An edge that is a few per cent off is the
+/// user's unit.
 #[test]
 fn another_edge_length_than_that_of_the_mesh_is_told() {
     let measured = mesh(Shape::TriangularPair);

@@ -246,7 +246,9 @@ fn wrong_requests_are_refused_and_leave_no_page() {
     let sheet = [
         "--c", "0.2", "--a", "4.5", "--table", &table, "-o", "e.html",
     ];
-    let cases: [(&[&str], &str); 4] = [
+    let cases: [(&[&str], &str); 6] = [
+        (&["--width", "9.9"], "10 to 3000 mm wide"),
+        (&["--width", "3001"], "--width 3001"),
         (&["--nearest", "500", "--farthest", "100"], "--farthest"),
         (&["--source", "none.png"], "none.png"),
         (&["--transfer", "srgb"], "--source"),
