@@ -96,7 +96,7 @@ impl Bundle {
 
     /// Takes from one to [`LANES`] rays that start at `origin` (by axis) with `slack`.
     ///
-    /// Singles without a ray repeat the last ray.
+    /// Lanes without a ray repeat the last ray.
     #[inline(always)]
     pub(crate) fn fill(&mut self, origin: [&[f64]; 3], slack: &[f64], grain: f64) {
         let count = slack.len();
@@ -107,7 +107,7 @@ impl Bundle {
         self.grain = grain;
         self.vectors = count.div_ceil(8);
         let lanes = whole(self.vectors);
-        // Singles beyond these vectors find nothing, so they are never looked at.
+        // Lanes beyond these vectors find nothing, so they are never looked at.
         let met = &mut self.met[self.now];
         met.distance[..lanes].fill(f64::INFINITY);
         met.facet[..lanes].fill(NONE);

@@ -77,7 +77,8 @@ pub(crate) fn entries<'a>(
 /// Returns the entries of the samples of `parts` whose rays enter scene number `scene`, sorted by
 /// the tiles of the entrance that they lie in.
 ///
-/// A tile holds about as many rays as a bundle takes.
+/// A tile holds about as many rays as a bundle takes. All parts together have fewer than 2^32
+/// samples.
 pub(crate) fn neighbours(
     launch: &Launch,
     parts: &[Part],

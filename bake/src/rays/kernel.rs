@@ -135,7 +135,7 @@ impl Kernel {
             || rules.glass_index.is_some()
             || rules.follows_the_front()
             || scenes.iter().any(|scene| scene.is_curved());
-        let neighbours = direction.is_some()
+        let side_by_side = direction.is_some()
             && rules.losses.is_none()
             && rules.glass_index.is_none()
             && !rules.follows_the_front()
@@ -153,7 +153,7 @@ impl Kernel {
         let programs: Option<Vec<Program>> = if alone { None } else { programs.collect() };
         Kernel {
             programs: programs.unwrap_or_default(),
-            rough: rules.roughness.filter(|_| neighbours),
+            rough: rules.roughness.filter(|_| side_by_side),
             instructions: InstructionSet::best(),
             // Rays with an azimuth of their own are not parallel, so they form no packets.
             packets: direction.is_some() && !alone && !chances,
