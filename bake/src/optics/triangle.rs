@@ -190,8 +190,15 @@ impl Triangle {
     /// Rounding of the height over the plane shifts the point along the ray by that height over the
     /// cosine.
     pub(crate) fn slack_after(&self, direction: DVec3, distance: f64, reach: f64) -> f64 {
-        16.0 * f64::EPSILON * (reach + distance) / direction.dot(self.normal).abs()
+        slack_after(direction.dot(self.normal), distance, reach)
     }
+}
+
+/// Returns what [`Triangle::slack_after`] does, of a ray whose direction has the component `along`
+/// on the normal of the facet.
+#[inline(always)]
+pub(crate) fn slack_after(along: f64, distance: f64, reach: f64) -> f64 {
+    16.0 * f64::EPSILON * (reach + distance) / along.abs()
 }
 
 /// Returns the unit normal of a planar polygon, or `None` without area.

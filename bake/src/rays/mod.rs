@@ -34,6 +34,7 @@ mod sheet;
 mod simd;
 mod swarm;
 mod tally;
+mod tiles;
 mod tree;
 
 pub(crate) use bins::Bins;

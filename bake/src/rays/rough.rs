@@ -13,7 +13,7 @@
 )]
 
 use crate::optics::{
-    BOUNCE_LIMIT, Incidence, Quick, Ray, Rules, Triangle, mirrored, reflect, roughness,
+    BOUNCE_LIMIT, Incidence, Quick, Ray, Rules, Triangle, mirrored, reflect, roughness, slack_after,
 };
 use crate::rays::departures::{Departure, Departures};
 use crate::rays::drawn::{digits, points};
@@ -324,7 +324,7 @@ impl Flock {
             fates[lane] = fate;
             let way = self.distance[lane];
             set(&mut self.origin, lane, ray.origin + ray.direction * way);
-            self.slack[lane] = 16.0 * f64::EPSILON * (faces.reach + way) / along.abs();
+            self.slack[lane] = slack_after(along, way, faces.reach);
             set(&mut self.travel, lane, onward);
         }
         for lane in 0..LANES {

@@ -275,7 +275,7 @@ pub(super) fn made(
     })
 }
 
-/// Least and greatest width of a picture on the page, mm: the ends of the slider in `main.js`.
+/// Least and greatest width of a picture on the page, mm.
 const WIDTHS: [f64; 2] = [10.0, 3000.0];
 
 impl Arguments {
@@ -342,6 +342,7 @@ impl Arguments {
         }
         Ok(Span {
             distance_mm,
+            width_mm: WIDTHS,
             factor: FACTOR,
         })
     }

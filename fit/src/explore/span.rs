@@ -8,6 +8,8 @@ use crate::predict::Fitted;
 pub(crate) struct Span {
     /// Distances, mm.
     pub distance_mm: [f64; 2],
+    /// Widths of the picture, mm.
+    pub width_mm: [f64; 2],
     /// Factors on c, a and mu.
     pub factor: [f64; 2],
 }

@@ -73,6 +73,7 @@ fn mixtures_of_all_models_err_as_stated() {
     let azimuth_deg = Some(table.axes.azimuth_deg[0]);
     let span = Span {
         distance_mm: [100.0, 600.0],
+        width_mm: [10.0, 3000.0],
         factor: [0.8, 1.25],
     };
     let (mut compared, mut above) = (0, 0);

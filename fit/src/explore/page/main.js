@@ -29,7 +29,7 @@ function sliders() {
     const start = Math.max(turn[0], Math.min(turn[1], range ? range[0] : azimuth.first));
     all.push(["azimuth", "Azimuth", "deg", ...turn, start, false, range]);
   }
-  all.push(["width", "Width of the picture", "mm", 10, 3000, 100, true, null]);
+  all.push(["width", "Width of the picture", "mm", ...span.width_mm, 100, true, null]);
   const factor = [...span.factor, 1, true, null];
   if (parameters.c.length) all.push(["c", NAMES_OF[data.size_name], "x fit", ...factor]);
   if (parameters.spread.length) {
