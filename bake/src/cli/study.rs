@@ -9,7 +9,7 @@ use crate::study::{StudyPlan, picture, report, study};
 use clap::Args;
 use std::path::PathBuf;
 use tables::Outputs;
-use tables::cli::{number, print, reserve_plot, warn};
+use tables::cli::{number, print, reserve_plot, warn, whole};
 use tables::options::{Back, SceneOptions};
 
 /// Options of `bake study`.
@@ -47,7 +47,8 @@ pub(crate) struct StudyArgs {
         long,
         value_name = "N",
         default_value_t = default::RAYS,
-        help_heading = heading::MEASUREMENT
+        help_heading = heading::MEASUREMENT,
+        value_parser = whole(0..)
     )]
     rays: u64,
     /// Bakes of each kind
@@ -57,7 +58,8 @@ pub(crate) struct StudyArgs {
         long,
         value_name = "N",
         default_value_t = study::default::REPEATS,
-        help_heading = heading::MEASUREMENT
+        help_heading = heading::MEASUREMENT,
+        value_parser = whole(0..)
     )]
     repeats: usize,
     /// L1 error for which the study reports the time
@@ -87,14 +89,20 @@ pub(crate) struct StudyArgs {
     /// Seed of the samples of the first repeat
     ///
     /// Each further repeat takes the next seed.
-    #[arg(long, default_value_t = default::SEED, help_heading = heading::MEASUREMENT)]
+    #[arg(
+        long,
+        default_value_t = default::SEED,
+        help_heading = heading::MEASUREMENT,
+        value_parser = whole(0..)
+    )]
     seed: u64,
     /// Histogram bins along u and along v
     #[arg(
         long,
         value_name = "N",
         default_value_t = default::BINS,
-        help_heading = heading::ACCURACY
+        help_heading = heading::ACCURACY,
+        value_parser = whole(0..)
     )]
     bins: usize,
     /// Half width of the histogram, edge lengths
@@ -123,7 +131,7 @@ pub(crate) struct StudyArgs {
     #[arg(long, help_heading = heading::OUTPUT)]
     json: bool,
     /// Number of threads [default: all processors]
-    #[arg(long, value_name = "N", help_heading = heading::OUTPUT)]
+    #[arg(long, value_name = "N", help_heading = heading::OUTPUT, value_parser = whole(0..))]
     threads: Option<usize>,
 }
 

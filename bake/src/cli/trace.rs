@@ -16,7 +16,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use tables::cli::{number, print, warn};
+use tables::cli::{number, print, warn, whole};
 use tables::options::{Back, Losses, Method, Record, Sampler, SceneOptions};
 use tables::{Output, Outputs, Table};
 
@@ -64,7 +64,8 @@ pub(crate) struct TraceArgs {
         long,
         value_name = "N",
         default_value_t = default::BINS,
-        help_heading = heading::ACCURACY
+        help_heading = heading::ACCURACY,
+        value_parser = whole(0..)
     )]
     bins: usize,
     /// Half width of the histogram, edge lengths
@@ -151,7 +152,7 @@ pub(crate) struct TraceArgs {
     #[arg(long, value_enum, default_value_t = Method::Auto, help_heading = heading::RAYS)]
     method: Method,
     /// Rays per direction [default: 4194304]
-    #[arg(long, value_name = "N", help_heading = heading::RAYS)]
+    #[arg(long, value_name = "N", help_heading = heading::RAYS, value_parser = whole(0..))]
     rays: Option<u64>,
     /// Traces until the estimated L1 error of every direction is below E
     ///
@@ -171,7 +172,12 @@ pub(crate) struct TraceArgs {
     /// Seed of the samples
     ///
     /// To add rays to a table, bake again with the seed that follows, and merge the two tables.
-    #[arg(long, default_value_t = default::SEED, help_heading = heading::RAYS)]
+    #[arg(
+        long,
+        default_value_t = default::SEED,
+        help_heading = heading::RAYS,
+        value_parser = whole(0..)
+    )]
     seed: u64,
     /// Traces only share K of N equal shares of the samples
     ///
@@ -200,7 +206,7 @@ pub(crate) struct TraceArgs {
     /// Number of threads [default: all processors]
     ///
     /// The table does not depend on it.
-    #[arg(long, value_name = "N", help_heading = heading::OUTPUT)]
+    #[arg(long, value_name = "N", help_heading = heading::OUTPUT, value_parser = whole(0..))]
     threads: Option<usize>,
 }
 

@@ -9,7 +9,7 @@ use crate::run::{Comparison, RetraceError, Watch, consistent, rebake, retrace, s
 use clap::Args;
 use std::path::{Path, PathBuf};
 use tables::Table;
-use tables::cli::{print, warn};
+use tables::cli::{print, warn, whole};
 use tables::reader::Protection;
 
 /// Options of `bake verify`.
@@ -27,11 +27,15 @@ pub(crate) struct VerifyArgs {
     #[command(flatten)]
     cell: CellArgs,
     /// Rays per direction, with --mesh
-    #[arg(long, value_name = "N", default_value_t = 1_048_576,
-        value_parser = clap::value_parser!(u64).range(1..1 << 40))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1_048_576,
+        value_parser = whole(1..1 << 40)
+    )]
     rays: u64,
     /// Seed of the choice of directions and of their rays
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = whole(0..))]
     seed: u64,
     /// Prints the result as one JSON object
     #[arg(long)]

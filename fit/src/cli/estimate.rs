@@ -165,7 +165,12 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = channels, help_heading = "Light")]
     pub channel: Option<Channels>,
     /// Number of threads; one per core if left out.
-    #[arg(long, value_name = "N", help_heading = "Output and threads")]
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Output and threads",
+        value_parser = terminal::whole(1..)
+    )]
     pub threads: Option<NonZeroUsize>,
     /// Prints the result as one JSON object in place of a table.
     #[arg(long, help_heading = "Output and threads")]

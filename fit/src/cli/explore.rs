@@ -133,7 +133,12 @@ pub(crate) struct Arguments {
     )]
     pub farthest: Option<f64>,
     /// Number of threads; one per core if left out.
-    #[arg(long, value_name = "N", help_heading = "Output and threads")]
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Output and threads",
+        value_parser = terminal::whole(1..)
+    )]
     pub threads: Option<NonZeroUsize>,
     /// Prints the facts about the page as one JSON object.
     #[arg(long, help_heading = "Output and threads")]

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use tables::cli as terminal;
+
 use crate::cli::parse;
 use crate::estimate::Forward;
 use crate::samples::Sampling;
@@ -38,7 +40,7 @@ pub(crate) struct Renders {
         long,
         value_name = "N",
         default_value_t = 8,
-        value_parser = clap::value_parser!(u64).range(2..=1000),
+        value_parser = terminal::whole(2..=1000),
         requires = "forward",
         help_heading = "Forward model"
     )]

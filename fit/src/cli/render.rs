@@ -243,7 +243,12 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, help_heading = "Forward model")]
     pub model: Option<Family>,
     /// Number of threads; one per core if left out.
-    #[arg(long, value_name = "N", help_heading = "Output and threads")]
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Output and threads",
+        value_parser = terminal::whole(1..)
+    )]
     pub threads: Option<NonZeroUsize>,
     /// Prints facts about the image as one JSON object.
     ///

@@ -1,5 +1,7 @@
 //! The options of a forward model that draws samples.
 
+use tables::cli as terminal;
+
 use crate::cli::failure::Failure;
 use crate::estimate::Candidates;
 use crate::estimate::Kind;
@@ -14,7 +16,7 @@ pub(crate) struct Samples {
         long,
         value_name = "N",
         default_value_t = 256,
-        value_parser = clap::value_parser!(u32).range(1..=65_536),
+        value_parser = terminal::whole(1..=65_536),
         help_heading = "Forward model"
     )]
     pub samples: u32,
@@ -23,7 +25,8 @@ pub(crate) struct Samples {
         long,
         value_name = "N",
         default_value_t = 1,
-        help_heading = "Forward model"
+        help_heading = "Forward model",
+        value_parser = terminal::whole(0..)
     )]
     pub seed: u64,
     /// Sample sequence.

@@ -111,7 +111,8 @@ pub(crate) struct Arguments {
         value_name = "N",
         default_value_t = 1900,
         requires = "ranges",
-        help_heading = "Drawn campaigns"
+        help_heading = "Drawn campaigns",
+        value_parser = terminal::whole(0..)
     )]
     pub campaigns: u64,
     /// Seed of all draws, and of the samples of a render.
@@ -119,7 +120,8 @@ pub(crate) struct Arguments {
         long,
         value_name = "N",
         default_value_t = 1,
-        help_heading = "Drawn campaigns"
+        help_heading = "Drawn campaigns",
+        value_parser = terminal::whole(0..)
     )]
     pub seed: u64,
     /// Counts how often the planted terms are chosen.
@@ -161,7 +163,12 @@ pub(crate) struct Arguments {
     #[arg(long, help_heading = "Output and threads")]
     pub json: bool,
     /// Number of threads; one per core if left out.
-    #[arg(long, value_name = "N", help_heading = "Output and threads")]
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Output and threads",
+        value_parser = terminal::whole(1..)
+    )]
     pub threads: Option<NonZeroUsize>,
 }
 

@@ -1,5 +1,7 @@
 //! Numbers as a user types them, and lists of them: `0,5,10`, or `start:stop:step` with both ends.
 
+use std::ops::{Bound, RangeBounds};
+
 /// Largest number of values in a list.
 pub const LONGEST_LIST: usize = 10_000;
 
@@ -24,6 +26,39 @@ pub enum ListError {
 pub fn number(text: &str) -> Result<f64, String> {
     let read = text.trim().parse();
     read.map_err(|_| "must be a number without a unit".to_owned())
+}
+
+/// Returns a parser of whole numbers within `bounds`, for clap.
+///
+/// ```
+/// let parser = tables::cli::whole::<u32>(1..=100);
+/// assert_eq!(parser("7"), Ok(7));
+/// assert_eq!(parser("7.5").unwrap_err(), "must be a whole number from 1 to 100");
+/// ```
+pub fn whole<T: TryFrom<usize>>(
+    bounds: impl RangeBounds<usize> + Clone + Send + Sync + 'static,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let read = text.trim().parse().ok();
+        let within = read.filter(|whole| bounds.contains(whole));
+        within
+            .and_then(|whole| T::try_from(whole).ok())
+            .ok_or_else(|| format!("must be a whole number{}", words(&bounds)))
+    }
+}
+
+/// Returns the bounds of a whole number in words.
+fn words(bounds: &impl RangeBounds<usize>) -> String {
+    let low = match bounds.start_bound() {
+        Bound::Included(low) => *low,
+        Bound::Excluded(below) => below.saturating_add(1),
+        Bound::Unbounded => 0,
+    };
+    match bounds.end_bound() {
+        Bound::Included(high) => format!(" from {low} to {high}"),
+        Bound::Excluded(above) => format!(" from {low} to {}", above.saturating_sub(1)),
+        Bound::Unbounded => format!(", {low} or larger"),
+    }
 }
 
 /// Reads `0,5,10` or `start:stop:step`, in the order that was typed.

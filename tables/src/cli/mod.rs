@@ -15,7 +15,7 @@ mod threads;
 mod usage;
 
 pub use crate::cli::error::Error;
-pub use crate::cli::list::{LONGEST_LIST, ListError, list, number};
+pub use crate::cli::list::{LONGEST_LIST, ListError, list, number, whole};
 pub use crate::cli::manual::{Completions, Manual, version};
 pub use crate::cli::plot_format::PlotFormat;
 pub use crate::cli::terminal::{deliver, fail, note, plain, print, reserve, reserve_plot, warn};
