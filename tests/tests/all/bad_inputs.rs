@@ -285,6 +285,7 @@ fn options() {
         trace("--rays", "0", "--rays"),
         trace("--rays", "many", "--rays"),
         trace("--bins", "0", "--bins"),
+        trace("--bins", "many", "whole number, 0 or larger"),
         trace("--range", "0", "--range"),
         trace("--tolerance", "0", "--tolerance"),
         trace("--angular-tolerance", "-3", "--angular-tolerance"),
@@ -439,6 +440,7 @@ fn options() {
             "bake trace --azimuth full",
         ),
         estimate("--threads", "0", "--threads"),
+        estimate("--threads", "2.5", "whole number, 1 or larger"),
         (
             "fit",
             vec!["estimate", &manifest, "-o", "OUT"],
