@@ -83,7 +83,12 @@ pub(crate) struct DesignArgs {
     ///
     /// For the design bead it is the number of facets along each edge of the octahedron that
     /// becomes the sphere, 40 by default.
-    #[arg(long, value_name = "N", help_heading = heading::IMPERFECT, value_parser = whole(0..))]
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = heading::IMPERFECT,
+        value_parser = whole::<u32>(0..)
+    )]
     pub(crate) segments: Option<u32>,
     /// Radius of the rounded edges from the apex, file units
     #[arg(
@@ -95,7 +100,12 @@ pub(crate) struct DesignArgs {
     )]
     pub(crate) edge_radius: Option<f64>,
     /// Planar strips of each rounded edge [default: 8]
-    #[arg(long, value_name = "N", help_heading = heading::IMPERFECT, value_parser = whole(0..))]
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = heading::IMPERFECT,
+        value_parser = whole::<u32>(0..)
+    )]
     pub(crate) strips: Option<u32>,
     /// Part of each edge that a flat facet at the apex cuts off
     #[arg(

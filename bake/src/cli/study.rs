@@ -48,7 +48,7 @@ pub(crate) struct StudyArgs {
         value_name = "N",
         default_value_t = default::RAYS,
         help_heading = heading::MEASUREMENT,
-        value_parser = whole(0..)
+        value_parser = whole::<u64>(0..)
     )]
     rays: u64,
     /// Bakes of each kind
@@ -59,7 +59,7 @@ pub(crate) struct StudyArgs {
         value_name = "N",
         default_value_t = study::default::REPEATS,
         help_heading = heading::MEASUREMENT,
-        value_parser = whole(0..)
+        value_parser = whole::<usize>(0..)
     )]
     repeats: usize,
     /// L1 error for which the study reports the time
@@ -93,7 +93,7 @@ pub(crate) struct StudyArgs {
         long,
         default_value_t = default::SEED,
         help_heading = heading::MEASUREMENT,
-        value_parser = whole(0..)
+        value_parser = whole::<u64>(0..)
     )]
     seed: u64,
     /// Histogram bins along u and along v
@@ -102,7 +102,7 @@ pub(crate) struct StudyArgs {
         value_name = "N",
         default_value_t = default::BINS,
         help_heading = heading::ACCURACY,
-        value_parser = whole(0..)
+        value_parser = whole::<usize>(0..)
     )]
     bins: usize,
     /// Half width of the histogram, edge lengths
@@ -131,7 +131,12 @@ pub(crate) struct StudyArgs {
     #[arg(long, help_heading = heading::OUTPUT)]
     json: bool,
     /// Number of threads [default: all processors]
-    #[arg(long, value_name = "N", help_heading = heading::OUTPUT, value_parser = whole(0..))]
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = heading::OUTPUT,
+        value_parser = whole::<usize>(0..)
+    )]
     threads: Option<usize>,
 }
 

@@ -65,7 +65,7 @@ pub(crate) struct TraceArgs {
         value_name = "N",
         default_value_t = default::BINS,
         help_heading = heading::ACCURACY,
-        value_parser = whole(0..)
+        value_parser = whole::<usize>(0..)
     )]
     bins: usize,
     /// Half width of the histogram, edge lengths
@@ -152,7 +152,7 @@ pub(crate) struct TraceArgs {
     #[arg(long, value_enum, default_value_t = Method::Auto, help_heading = heading::RAYS)]
     method: Method,
     /// Rays per direction [default: 4194304]
-    #[arg(long, value_name = "N", help_heading = heading::RAYS, value_parser = whole(0..))]
+    #[arg(long, value_name = "N", help_heading = heading::RAYS, value_parser = whole::<u64>(0..))]
     rays: Option<u64>,
     /// Traces until the estimated L1 error of every direction is below E
     ///
@@ -176,7 +176,7 @@ pub(crate) struct TraceArgs {
         long,
         default_value_t = default::SEED,
         help_heading = heading::RAYS,
-        value_parser = whole(0..)
+        value_parser = whole::<u64>(0..)
     )]
     seed: u64,
     /// Traces only share K of N equal shares of the samples
@@ -206,7 +206,12 @@ pub(crate) struct TraceArgs {
     /// Number of threads [default: all processors]
     ///
     /// The table does not depend on it.
-    #[arg(long, value_name = "N", help_heading = heading::OUTPUT, value_parser = whole(0..))]
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = heading::OUTPUT,
+        value_parser = whole::<usize>(0..)
+    )]
     threads: Option<usize>,
 }
 

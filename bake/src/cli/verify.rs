@@ -31,11 +31,11 @@ pub(crate) struct VerifyArgs {
         long,
         value_name = "N",
         default_value_t = 1_048_576,
-        value_parser = whole(1..1 << 40)
+        value_parser = whole::<u64>(1..1 << 40)
     )]
     rays: u64,
     /// Seed of the choice of directions and of their rays
-    #[arg(long, default_value_t = 1, value_parser = whole(0..))]
+    #[arg(long, default_value_t = 1, value_parser = whole::<u64>(0..))]
     seed: u64,
     /// Prints the result as one JSON object
     #[arg(long)]

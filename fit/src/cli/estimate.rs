@@ -169,7 +169,7 @@ pub(crate) struct Arguments {
         long,
         value_name = "N",
         help_heading = "Output and threads",
-        value_parser = terminal::whole(1..)
+        value_parser = terminal::whole::<NonZeroUsize>(1..)
     )]
     pub threads: Option<NonZeroUsize>,
     /// Prints the result as one JSON object in place of a table.

@@ -40,7 +40,7 @@ pub(crate) struct Renders {
         long,
         value_name = "N",
         default_value_t = 8,
-        value_parser = terminal::whole(2..=1000),
+        value_parser = terminal::whole::<u64>(2..=1000),
         requires = "forward",
         help_heading = "Forward model"
     )]

@@ -247,7 +247,7 @@ pub(crate) struct Arguments {
         long,
         value_name = "N",
         help_heading = "Output and threads",
-        value_parser = terminal::whole(1..)
+        value_parser = terminal::whole::<NonZeroUsize>(1..)
     )]
     pub threads: Option<NonZeroUsize>,
     /// Prints facts about the image as one JSON object.

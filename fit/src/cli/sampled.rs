@@ -16,7 +16,7 @@ pub(crate) struct Samples {
         long,
         value_name = "N",
         default_value_t = 256,
-        value_parser = terminal::whole(1..=65_536),
+        value_parser = terminal::whole::<u32>(1..=65_536),
         help_heading = "Forward model"
     )]
     pub samples: u32,
@@ -26,7 +26,7 @@ pub(crate) struct Samples {
         value_name = "N",
         default_value_t = 1,
         help_heading = "Forward model",
-        value_parser = terminal::whole(0..)
+        value_parser = terminal::whole::<u64>(0..)
     )]
     pub seed: u64,
     /// Sample sequence.

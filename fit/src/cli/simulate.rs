@@ -91,7 +91,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     pub json: bool,
     /// Number of threads; one per core if left out.
-    #[arg(long, value_name = "N", value_parser = terminal::whole(1..))]
+    #[arg(long, value_name = "N", value_parser = terminal::whole::<NonZeroUsize>(1..))]
     pub threads: Option<NonZeroUsize>,
 }
 

@@ -112,7 +112,7 @@ pub(crate) struct Arguments {
         default_value_t = 1900,
         requires = "ranges",
         help_heading = "Drawn campaigns",
-        value_parser = terminal::whole(0..)
+        value_parser = terminal::whole::<u64>(0..)
     )]
     pub campaigns: u64,
     /// Seed of all draws, and of the samples of a render.
@@ -121,7 +121,7 @@ pub(crate) struct Arguments {
         value_name = "N",
         default_value_t = 1,
         help_heading = "Drawn campaigns",
-        value_parser = terminal::whole(0..)
+        value_parser = terminal::whole::<u64>(0..)
     )]
     pub seed: u64,
     /// Counts how often the planted terms are chosen.
@@ -167,7 +167,7 @@ pub(crate) struct Arguments {
         long,
         value_name = "N",
         help_heading = "Output and threads",
-        value_parser = terminal::whole(1..)
+        value_parser = terminal::whole::<NonZeroUsize>(1..)
     )]
     pub threads: Option<NonZeroUsize>,
 }
