@@ -73,7 +73,8 @@ Examples:
   fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial \\
       --per-angle a,mu --plot mtf.svg -o result.json
   fit estimate captures.toml --table pair.h5 -o result.json --report report.html
-  fit estimate captures.toml --table pair.h5 --model saito -o saito.json
+  fit estimate captures.toml --table pair.h5 --model saito --loss mtf \\
+      -o saito.json
   bake trace pair.obj -o all.h5 --refractive-index 1.49 --azimuth full \\
       --direction-tolerance 0.005
   fit estimate captures.toml --table all.h5 --fit-azimuth

@@ -77,7 +77,7 @@ Examples:
   fit study captures.toml --table pair.h5 --kernel eq1 --plot speed.svg
   fit study --ranges ranges.toml --table pair.h5 --campaigns 20 \\
       --csv trials.csv --plot study.svg
-  fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --choice
+  fit study --ranges ranges.toml --table pair.h5 --campaigns 5 --choice
   fit study captures.toml --table pair.h5 --forward render --samples 1,4 \\
       --randomisations 2 --plot forward.svg
 

@@ -453,24 +453,42 @@ impl<'a> Photograph<'a> {
             .collect();
     }
 
-    /// Moves the nuisances to their optimum under a model, by Gauss-Newton steps from the start.
-    /// The start is so near that the problem is almost linear.
+    /// Moves the nuisances to their optimum under a model, from the start.
+    ///
+    /// Under a model that describes the pixels the problem is almost linear, and steps of
+    /// Gauss-Newton lead to the optimum. Under a poor model they may overshoot. Then they are
+    /// damped as those of Levenberg and Marquardt, so that chi-square never rises.
     pub(crate) fn fit(&self, curves: &Curves) -> Fitted {
         const MOST: usize = 12;
+        // Damping after the first step that overshoots, and its factor from step to step.
+        const FIRST: f64 = 1e-3;
+        const FACTOR: f64 = 10.0;
         let own = self.step_column() + 1;
         let columns = own + curves.by.len();
+        let chi2 = |fitted: &Fitted| fitted.factor.column(columns).norm_squared();
         let mut fitted = self.normal(curves, self.start);
+        let mut damping = 0.0;
         for _ in 0..MOST {
-            let rest = fitted.factor.column(columns);
-            let squares = rest.norm_squared();
-            let fall = rest.rows(0, own).norm_squared();
-            // Decrease of chi-square that this step promises.
-            if fall < 1e-8 + 1e-13 * squares || !fall.is_finite() {
+            let squares = chi2(&fitted);
+            // Decrease of chi-square that a step without damping promises.
+            let fall = fitted.factor.view((0, columns), (own, 1)).norm_squared();
+            let rounding = 1e-13 * squares;
+            if fall < 1e-8 + rounding || !fall.is_finite() {
                 break;
             }
-            let step = factor::back_substituted(&fitted.factor, own, columns);
+            let step = factor::damped_step(&fitted.factor, own, columns, damping);
             let next = fitted.nuisances.moved(&step, self.terms, self.bends());
-            fitted = self.normal(curves, next);
+            let tried = self.normal(curves, next);
+            if chi2(&tried) <= squares + rounding {
+                fitted = tried;
+                damping = if damping > FIRST {
+                    damping / FACTOR
+                } else {
+                    0.0
+                };
+            } else {
+                damping = (FACTOR * damping).max(FIRST);
+            }
         }
         fitted
     }

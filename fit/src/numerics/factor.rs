@@ -102,9 +102,68 @@ pub(crate) fn back_substituted(factor: &DMatrix<f64>, n: usize, c: usize) -> DVe
     x
 }
 
+/// Returns the step of Levenberg and Marquardt for the first `n` unknowns: the solution x of
+/// (N + `damping` diag N) x = R^T r. N is R^T R, and r is column `c` of R.
+///
+/// Without damping it is [`back_substituted`].
+pub(crate) fn damped_step(factor: &DMatrix<f64>, n: usize, c: usize, damping: f64) -> DVector<f64> {
+    if damping == 0.0 {
+        return back_substituted(factor, n, c);
+    }
+    let own = factor.view((0, 0), (n, n)).upper_triangle();
+    let rest = own.tr_mul(&factor.view((0, c), (n, 1)));
+    let mut normal = own.tr_mul(&own);
+    for i in 0..n {
+        // An unknown that nothing depends on stays where it is.
+        let own = normal[(i, i)];
+        normal[(i, i)] = if own > 0.0 {
+            own * (1.0 + damping)
+        } else {
+            1.0
+        };
+    }
+    match normal.cholesky() {
+        Some(normal) => normal.solve(&rest).column(0).into_owned(),
+        None => DVector::zeros(n),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Little damping gives the step without damping, much of it the way of steepest descent, and
+    /// any gives the least squares of the rows with those of the damping below them.
+    #[test]
+    fn damping_shortens_a_step() {
+        let rows = DMatrix::from_fn(9, 4, |i, j| ((3 * i + 5 * j * j + 1) as f64).sin());
+        let factor = of(rows.tr_mul(&rows));
+        let whole = damped_step(&factor, 3, 3, 0.0);
+        let mut last = whole.norm();
+        for damping in [1e-12, 1e-3, 1.0, 1e3] {
+            let step = damped_step(&factor, 3, 3, damping);
+            let left = rows.columns(0, 3);
+            let normal = left.tr_mul(&left);
+            let below = DMatrix::from_diagonal(&(normal.diagonal() * damping).map(f64::sqrt));
+            let mut all = DMatrix::zeros(12, 3);
+            all.rows_mut(0, 9).copy_from(&left);
+            all.rows_mut(9, 3).copy_from(&below);
+            let mut data = DVector::zeros(12);
+            data.rows_mut(0, 9).copy_from(&rows.column(3));
+            let slow = all.svd(true, true).solve(&data, 0.0).unwrap();
+            // Normal equations lose as many digits as their condition number has. The sums and the
+            // three unknowns add a factor of some ten.
+            let singular = normal.singular_values();
+            let rounding = 30.0 * f64::EPSILON * singular.max() / singular.min();
+            assert!((&step - slow).norm() < rounding * whole.norm(), "{damping}");
+            assert!(step.norm() <= last * (1.0 + 1e-9), "{damping}");
+            last = step.norm();
+        }
+        assert!(last < 1e-2 * whole.norm());
+        let barely = damped_step(&factor, 3, 3, 1e-12);
+        // Its damping moves it by the condition number, below 1e4, times 1e-12.
+        assert!((barely - &whole).norm() < 1e-8 * whole.norm());
+    }
 
     /// A sum of squares that is no number, or beyond all numbers, does not become 0.
     #[test]
