@@ -107,7 +107,8 @@ impl Grid {
             .ceil()
             .max(3.0);
         let incidence = Nodes::between([low, high], steps as usize, Ends::Open);
-        let azimuth = azimuths(table, fineness.azimuth_deg);
+        let incidence = incidence.mixing(fineness.points);
+        let azimuth = azimuths(table, fineness.azimuth_deg).mixing(fineness.points);
         let bend = bend(sheet, scaling);
         let state = states(sheet, span, scaling, fineness.state)?;
         let shape = Shape::new(sheet, span, fineness, &state, scaling, &incidence)?;

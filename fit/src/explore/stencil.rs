@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Most nodes that a place mixes along one axis.
+/// Most nodes that a place mixes along one axis, if no other number is asked for.
 const POINTS: usize = 4;
 
 /// Continuation of the nodes of an axis beyond its ends.
@@ -28,6 +28,8 @@ pub(crate) struct Nodes {
     pub count: usize,
     /// Continuation beyond the ends.
     pub ends: Ends,
+    /// Most nodes that a place mixes.
+    pub points: usize,
 }
 
 /// Share of one node in a mixture.
@@ -58,6 +60,7 @@ impl Nodes {
             step: 1.0,
             count: 1,
             ends: Ends::Open,
+            points: POINTS,
         }
     }
 
@@ -73,7 +76,13 @@ impl Nodes {
             step: (high - low) / steps as f64,
             count: if ends == Ends::Turn { steps } else { steps + 1 },
             ends,
+            points: POINTS,
         }
+    }
+
+    /// Returns the same nodes, of which a place mixes at most `points`.
+    pub(crate) fn mixing(self, points: usize) -> Nodes {
+        Nodes { points, ..self }
     }
 
     /// Returns the place of a node.
@@ -95,8 +104,8 @@ impl Nodes {
     /// Returns the mixture at a place: Lagrange's polynomial through the nearest nodes.
     pub(crate) fn mixture(&self, place: f64) -> Vec<Share> {
         let points = match self.ends {
-            Ends::Open => POINTS.min(self.count),
-            Ends::Turn | Ends::Mirrors => POINTS,
+            Ends::Open => self.points.min(self.count),
+            Ends::Turn | Ends::Mirrors => self.points,
         };
         let x = (place - self.first) / self.step;
         let mut start = x.floor() as i64 - (points as i64 - 1) / 2;
@@ -161,6 +170,24 @@ mod tests {
         }
         assert_eq!(cases, 101);
         assert_eq!(Nodes::one(3.0).mixture(3.0).len(), 1);
+    }
+
+    /// Six nodes are exact for the fifth power, by the same rounding: the numbers are below 1.
+    #[test]
+    fn a_mixture_of_six_nodes_is_exact_for_fifth_powers() {
+        let nodes = Nodes::between([0.0, 1.0], 7, Ends::Open).mixing(6);
+        let mut cases = 0;
+        for k in 0..=100 {
+            let x = 0.01 * f64::from(k);
+            let shares = nodes.mixture(x);
+            assert_eq!(shares.len(), 6);
+            let mixed: f64 = (shares.iter())
+                .map(|share| share.weight * nodes.place(share.node).powi(5))
+                .sum();
+            assert!((mixed - x.powi(5)).abs() < 1e-11, "{x}: {mixed}");
+            cases += 1;
+        }
+        assert_eq!(cases, 101);
     }
 
     /// Nodes of an even function of the azimuth, with mirrors at 10 and 40: cos(6 (x - 10)) has

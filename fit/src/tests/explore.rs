@@ -85,7 +85,7 @@ fn mixtures_of_all_models_err_as_stated() {
         // The goal of the search. Without a lobe the light of the shift ends at a sharp rim, which
         // no grid follows: there a weight errs by a good part of itself.
         let goal = if kernel == Kernel::Shift {
-            [0.05, 0.25]
+            [0.01, 0.25]
         } else {
             [0.01; 2]
         };

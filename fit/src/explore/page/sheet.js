@@ -87,8 +87,8 @@ function standardError(incidence, by) {
 
 // Nodes and weights by which a place along an axis is mixed.
 function mixture(axis, place) {
-  const { first, step, count, ends } = axis;
-  const points = ends === "open" ? Math.min(4, count) : 4;
+  const { first, step, count, ends, points: most } = axis;
+  const points = ends === "open" ? Math.min(most, count) : most;
   const x = (place - first) / step;
   let start = Math.floor(x) - Math.floor((points - 1) / 2);
   if (ends === "open") start = Math.max(0, Math.min(count - points, start));
