@@ -25,6 +25,7 @@ use crate::optics::{
 use crate::rays::bins::Bins;
 use crate::rays::region::{Affine, ROUNDING, Region, extent, needed, split};
 use crate::rays::scene::Scene;
+use crate::samples::centres_below;
 use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
 
@@ -459,10 +460,15 @@ impl Builder<'_> {
             let light = light.reflected(line.direction, facet.normal, surface, index);
             (light, surface.takes())
         });
-        let loss = reflected.map(|(light, fate)| Loss {
-            power: light.power(),
-            fate,
-        });
+        // Total reflection takes no photon: no chance lies between the powers before and after it,
+        // which are equal but for rounding.
+        let before = line.light.map_or(0, |light| centres_below(light.power()));
+        let loss = reflected
+            .map(|(light, fate)| Loss {
+                power: light.power(),
+                fate,
+            })
+            .filter(|loss| centres_below(loss.power) < before);
         self.step(bounces, tests, End::Onward, loss)?;
         let mirror = reflection(facet.normal);
         let after = UnfoldedRay {

@@ -7,4 +7,6 @@ mod launch;
 mod sequence;
 
 pub(crate) use launch::{Launch, Piece};
-pub(crate) use sequence::{FOURTH_REVERSED, Stream, centred, pascal, philox, scramble};
+pub(crate) use sequence::{
+    FOURTH_REVERSED, Stream, centred, centres_below, pascal, philox, scramble,
+};

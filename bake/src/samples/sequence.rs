@@ -139,6 +139,13 @@ pub(crate) fn centred(cell: u32) -> f64 {
     (f64::from((cell ^ 0x8000_0000) as i32) + 0.5) * (1.0 / 4_294_967_296.0)
 }
 
+/// Returns how many of the 2^32 cells have their centre below `share`, which lies in [0, 1].
+///
+/// The product and the difference are exact, as a number of 53 bits.
+pub(crate) fn centres_below(share: f64) -> u64 {
+    (share * 4_294_967_296.0 - 0.5).ceil().max(0.0) as u64
+}
+
 /// Mixes 64 bits bijectively (the finaliser of SplitMix64).
 fn mix(word: u64) -> u64 {
     let word = word.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -436,6 +443,26 @@ mod tests {
         assert_eq!(centred(0), -0.5 + 0.5 / 4_294_967_296.0);
         assert_eq!(centred(u32::MAX), 0.5 - 0.5 / 4_294_967_296.0);
         assert_eq!(centred(0x8000_0000), 0.5 / 4_294_967_296.0);
+    }
+
+    /// Shares at a centre, beside it by one unit in the last place, and anywhere: the cells below
+    /// are counted as comparisons with their centres count them.
+    #[test]
+    fn centres_below_are_counted() {
+        let centre = |cell: u64| centred(cell as u32) + 0.5;
+        let mut cases = 0;
+        for k in 0..20_000_u64 {
+            let at = centre(k.wrapping_mul(0x9e37_79b9) & 0xffff_ffff);
+            let anywhere = at * (1.0 - k as f64 * 1e-13);
+            for share in [at, at.next_down(), at.next_up(), anywhere] {
+                let count = centres_below(share);
+                assert!(count == 0 || centre(count - 1) < share, "{share}");
+                assert!(count == 1 << 32 || centre(count) >= share, "{share}");
+                cases += 1;
+            }
+        }
+        assert_eq!([0.0, 1.0].map(centres_below), [0, 1 << 32]);
+        assert_eq!(cases, 80_000);
     }
 
     /// Checks that no random number is used twice: those of the launch, of the losses and of every
