@@ -169,7 +169,7 @@ def main():
             start = [seconds(command(args, mesh, trace, few)) for _ in range(args.rounds)]
             rate = (count - few) / (statistics.median(longer) - statistics.median(start))
             print(
-                f"| {name} | {lanes:.0f} | {scalar:.0f} | {moved:.0f} | {rate / 1e6:.3g} "
+                f"| {os.path.basename(name)} | {lanes:.0f} | {scalar:.0f} | {moved:.0f} | {rate / 1e6:.3g} "
                 f"| {100 * lanes * rate / peak:.0f} % | {100 * moved * rate / copied:.0f} % |"
             )
 

@@ -534,7 +534,7 @@ fn exit_directions_of_unlike_bodies_equal_those_of_single_rays() {
 
 /// Returns a patch whose cubes all differ, so that each is a kind of its own: every vertex below
 /// the entrance plane is moved.
-fn uneven(columns: usize, rows: usize) -> Cell {
+pub(crate) fn uneven(columns: usize, rows: usize) -> Cell {
     let mut cell = patch(columns, rows);
     for corner in cell.facets.iter_mut().flatten() {
         if corner.z < cells::HEIGHT / 2.0 {

@@ -22,4 +22,5 @@ mod ranks;
 mod roughness;
 mod speed;
 mod study;
+mod ten_million;
 mod trapped;
