@@ -33,8 +33,8 @@ pub(crate) struct TraceArgs {
     output: PathBuf,
     /// Refractive index behind the front face [default: the file's, else 1]
     ///
-    /// A number from 1 to 10; a material: pmma, polycarbonate or bk7; or pairs nm:index such as
-    /// 450:1.50,650:1.49. A material and pairs need --wavelength-nm.
+    /// A number from 1 to 10; a material: pmma (acrylic), polycarbonate or bk7; or pairs nm:index
+    /// such as 450:1.50,650:1.49. A material and pairs need --wavelength-nm.
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     refractive_index: Option<String>,
     /// Angles of incidence in the air, degrees

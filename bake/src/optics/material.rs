@@ -197,7 +197,11 @@ pub fn refractive_index(text: &str, wavelength_nm: Option<f64>) -> Result<f64, M
     if let Some(index) = finite(text) {
         return Ok(index);
     }
-    if let Some(glass) = GLASSES.iter().find(|glass| glass.name == text.trim()) {
+    let name = match text.trim() {
+        "acrylic" => "pmma",
+        other => other,
+    };
+    if let Some(glass) = GLASSES.iter().find(|glass| glass.name == name) {
         let micrometres = within(option, text, wavelength_nm, glass.range)? * 1e-3;
         let squared = micrometres * micrometres;
         let terms = glass.terms.iter().map(|(b, c)| b * squared / (squared - c));
@@ -278,6 +282,7 @@ mod tests {
             ("bk7", 486.132_7, 1.522_38),
             ("bk7", 656.272_5, 1.514_32),
             ("pmma", 587.6, 1.4906),
+            ("acrylic", 587.6, 1.4906),
             ("polycarbonate", 587.6, 1.5848),
         ];
         for (name, nm, expected) in cases {
