@@ -168,8 +168,9 @@ def main():
             longer = [seconds(command(args, mesh, trace, count)) for _ in range(args.rounds)]
             start = [seconds(command(args, mesh, trace, few)) for _ in range(args.rounds)]
             rate = (count - few) / (statistics.median(longer) - statistics.median(start))
+            label = os.path.basename(name)
             print(
-                f"| {os.path.basename(name)} | {lanes:.0f} | {scalar:.0f} | {moved:.0f} | {rate / 1e6:.3g} "
+                f"| {label} | {lanes:.0f} | {scalar:.0f} | {moved:.0f} | {rate / 1e6:.3g} "
                 f"| {100 * lanes * rate / peak:.0f} % | {100 * moved * rate / copied:.0f} % |"
             )
 

@@ -547,6 +547,6 @@ fn options() {
     for (program, arguments, code, part) in cases {
         bench.refuses(&here, program, &arguments, code, &[part]);
     }
-    assert_eq!(count, 69);
+    assert_eq!(count, 71);
     bench.all_refused(count);
 }
