@@ -73,8 +73,8 @@ out:
   mu_fall = { from = 0.0005, to = 0.5 }   # fall of ln mu, likewise
 
 Examples:
-  fit study captures.toml --table pair.h5 --per-angle a,mu
-  fit study captures.toml --table pair.h5 --kernel eq1 --plot speed.svg
+  fit study captures.toml --table pair.h5 --kernel eq1 --per-angle a,mu \\
+      --plot speed.svg
   fit study --ranges ranges.toml --table pair.h5 --campaigns 20 \\
       --csv trials.csv --plot study.svg
   fit study --ranges ranges.toml --table pair.h5 --campaigns 5 --choice

@@ -457,12 +457,14 @@ impl<'a> Photograph<'a> {
     ///
     /// Under a model that describes the pixels the problem is almost linear, and steps of
     /// Gauss-Newton lead to the optimum. Under a poor model they may overshoot. Then they are
-    /// damped as those of Levenberg and Marquardt, so that chi-square never rises.
+    /// damped as those of Levenberg and Marquardt.
     pub(crate) fn fit(&self, curves: &Curves) -> Fitted {
         const MOST: usize = 12;
         // Damping after the first step that overshoots, and its factor from step to step.
         const FIRST: f64 = 1e-3;
         const FACTOR: f64 = 10.0;
+        // Share by which chi-square may rise: more than rounding, far less than by any overshoot.
+        const RISE: f64 = 1e-9;
         let own = self.step_column() + 1;
         let columns = own + curves.by.len();
         let chi2 = |fitted: &Fitted| fitted.factor.column(columns).norm_squared();
@@ -472,14 +474,13 @@ impl<'a> Photograph<'a> {
             let squares = chi2(&fitted);
             // Decrease of chi-square that a step without damping promises.
             let fall = fitted.factor.view((0, columns), (own, 1)).norm_squared();
-            let rounding = 1e-13 * squares;
-            if fall < 1e-8 + rounding || !fall.is_finite() {
+            if fall < 1e-8 + 1e-13 * squares || !fall.is_finite() {
                 break;
             }
             let step = factor::damped_step(&fitted.factor, own, columns, damping);
             let next = fitted.nuisances.moved(&step, self.terms, self.bends());
             let tried = self.normal(curves, next);
-            if chi2(&tried) <= squares + rounding {
+            if chi2(&tried) <= squares * (1.0 + RISE) {
                 fitted = tried;
                 damping = if damping > FIRST {
                     damping / FACTOR

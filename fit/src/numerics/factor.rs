@@ -151,9 +151,9 @@ mod tests {
             let mut data = DVector::zeros(12);
             data.rows_mut(0, 9).copy_from(&rows.column(3));
             let slow = all.svd(true, true).solve(&data, 0.0).unwrap();
-            // Normal equations err by their condition number times the rounding of what they divide:
-            // the data over the least singular value of the rows. Sums of twelve terms and three
-            // unknowns add a factor of some thirty.
+            // Normal equations err by their condition number times the rounding of what they
+            // divide: the data over the least singular value of the rows. Sums of twelve terms and
+            // three unknowns add a factor of some thirty.
             let singular = normal.singular_values();
             let condition = singular.max() / singular.min();
             let rounding = 30.0 * f64::EPSILON * condition * data.norm() / singular.min().sqrt();
