@@ -23,6 +23,7 @@ import json
 import os
 import statistics
 import subprocess
+import tempfile
 import time
 
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -168,7 +169,7 @@ def main():
     )
     parser.add_argument("mesh")
     parser.add_argument("--bake", default="bake")
-    parser.add_argument("--table", default="curved-py.h5")
+    parser.add_argument("--table", default=os.path.join(tempfile.gettempdir(), "curved-py.h5"))
     parser.add_argument("--incidence", type=float, default=20.0)
     parser.add_argument("--rays", type=int, default=1 << 20)
     parser.add_argument("--rounds", type=int, default=5)

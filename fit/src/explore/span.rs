@@ -1,5 +1,6 @@
 //! What a page spans, and how fine its grid is.
 
+use crate::explore::stencil::POINTS;
 use crate::names::Kernel;
 use crate::predict::Fitted;
 
@@ -45,7 +46,7 @@ impl Fineness {
             points: if sheet.result.kernel == Kernel::Shift {
                 6
             } else {
-                4
+                POINTS
             },
             bends: 5.0,
         }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// Most nodes that a place mixes along one axis, if no other number is asked for.
-const POINTS: usize = 4;
+pub(crate) const POINTS: usize = 4;
 
 /// Continuation of the nodes of an axis beyond its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
