@@ -4,7 +4,8 @@
 //! frequency and, where light does not leave straight back or is taken as waves, on one number
 //! more: the [`Scaling`]. A frequency g of this sheet stands for g / c of a sheet with cells of
 //! size c. So c, the lobe and the size of the picture need no nodes: the page computes with them as
-//! they are.
+//! they are. Tangential frequencies of shifts are those along the sheet, see
+//! [`tilt`](crate::explore::unit::tilt).
 
 use std::io::Write;
 
@@ -13,12 +14,14 @@ use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
 use tables::Table;
 
+use crate::explore::gaps::{self, Gaps};
 use crate::explore::lattice::{Ending, Lattice, MARGIN, Shape, kinked};
 use crate::explore::scaling::{Scaling, bend, scaling, states};
 use crate::explore::span::{Fineness, Span, known};
 use crate::explore::stencil::{Ends, Nodes};
-use crate::explore::unit::{UnitSheet, shifts};
+use crate::explore::unit::{UnitSheet, shifts, tilt};
 use crate::images::{Sheet, Viewpoint};
+use crate::names::Kernel;
 use crate::predict::{Error as PredictError, Fitted};
 
 /// Reason why no page can be made.
@@ -81,6 +84,8 @@ pub(crate) struct Grid {
     pub energy: Vec<f64>,
     /// Distance that contains all shifts, edge lengths, `[incidence, azimuth, state]`.
     pub reach: Vec<f64>,
+    /// Paths of an exact table, which stand for the transforms where light ends at a sharp rim.
+    pub gaps: Option<Gaps>,
     /// Transforms in units of 1 / [`UNIT`], `[incidence, azimuth, state, row, column]`, real and
     /// imaginary parts in turns.
     pub values: Vec<i16>,
@@ -107,9 +112,15 @@ impl Grid {
             .ceil()
             .max(3.0);
         let incidence = Nodes::between([low, high], steps as usize, Ends::Open);
-        let incidence = incidence.mixing(fineness.points);
-        let azimuth = azimuths(table, fineness.azimuth_deg).mixing(fineness.points);
+        let azimuth = azimuths(table, fineness.azimuth_deg);
         let bend = bend(sheet, scaling);
+        if result.kernel == Kernel::Shift
+            && let Some(gaps) = Gaps::new(table, &azimuth)
+        {
+            return Ok(Grid::of_paths(table, [incidence, azimuth], gaps));
+        }
+        let [incidence, azimuth] = (fineness.own)
+            .unwrap_or([incidence, azimuth].map(|nodes| nodes.mixing(fineness.points)));
         let state = states(sheet, span, scaling, fineness.state)?;
         let shape = Shape::new(sheet, span, fineness, &state, scaling, &incidence)?;
         let real = scaling == Scaling::Waves || !shifts(result.kernel);
@@ -148,6 +159,7 @@ impl Grid {
             scaling,
             lattices: shape.lattices,
             real,
+            gaps: None,
             energy: Vec::with_capacity(places),
             reach: Vec::new(),
             values: Vec::with_capacity(bytes / size_of::<i16>()),
@@ -167,6 +179,29 @@ impl Grid {
             return Err(large(grid.text.len()));
         }
         Ok(grid)
+    }
+
+    /// Makes a grid that holds the paths of a table, and no transforms.
+    fn of_paths(table: &Table, [incidence, azimuth]: [Nodes; 2], gaps: Gaps) -> Grid {
+        Grid {
+            incidence,
+            azimuth,
+            state: Nodes::one(0.0),
+            bend: 1.0,
+            ends: Ending {
+                highest: 1.0,
+                angle: f64::MAX,
+            },
+            kink: 0.0,
+            scaling: Scaling::Fixed,
+            lattices: vec![Lattice::NONE],
+            real: true,
+            gaps: Some(gaps),
+            energy: table.retroreflected.iter().copied().collect(),
+            reach: Vec::new(),
+            values: Vec::new(),
+            text: packed(&[], &[], 1),
+        }
     }
 }
 
@@ -248,6 +283,26 @@ fn azimuths(table: &Table, step_deg: f64) -> Nodes {
     Nodes::between([first, first + width], steps(width), ends)
 }
 
+/// Returns the axes of a table of rays as nodes of which a place mixes two, if they are evenly
+/// spaced. That mixture is exact: such a table mixes its bins in the same way.
+pub(crate) fn own_axes(table: &Table) -> Option<[Nodes; 2]> {
+    let around = azimuths(table, 360.0);
+    if table.exact.is_some() || table.axes.is_mean() {
+        return None;
+    }
+    let even = |own: &[f64], ends: Ends| {
+        let nodes = Nodes::between([own[0], own[own.len() - 1]], own.len() - 1, ends);
+        let mut all = own.iter().enumerate();
+        let meets = all.all(|(k, own)| (nodes.place(k) - own).abs() < 1e-9);
+        meets.then_some(nodes.mixing(2))
+    };
+    let azimuth = even(&gaps::azimuths(table, &around), around.ends)?;
+    let same = (azimuth.first - around.first).abs() < 1e-9
+        && (azimuth.width() - around.width()).abs() < 1e-9;
+    let incidence = even(&table.axes.incidence_deg, Ends::Open)?;
+    same.then_some([incidence, azimuth])
+}
+
 /// Computes energy, reach and lattices of one direction, by the sheet with cells of 1 mm and by its
 /// rays alone.
 fn node(
@@ -267,15 +322,17 @@ fn node(
         }
         let at = Viewpoint { r_mm, ..*at };
         let step = lattice.step();
-        let spot = unit.spot(&at, lattice.end + step * (MARGIN + 1) as f64)?;
+        let tilt = tilt(sheet.result.kernel, at.incidence_deg);
+        let spot = unit.spot(&at, (lattice.end + step * (MARGIN + 1) as f64) / tilt)?;
         let (columns, zero) = (lattice.size()[0], lattice.zero());
         let value = |place: usize| {
             let at = [place % columns, place / columns];
             let frequency = [0, 1].map(|k| step * (at[k] as f64 - zero[k] as f64));
-            let smooth = spot.otf(frequency) / kinked(shape.kink * r_mm, frequency);
+            let [along, across] = frequency;
+            let smooth = spot.otf([along / tilt, across]) / kinked(shape.kink * r_mm, frequency);
             [smooth.re, smooth.im]
         };
-        let reach = rays.spot(&at, 1.0)?.reach_mm();
+        let reach = rays.spot(&at, 1.0)?.reach_mm() / tilt;
         all.push((reach, (0..lattice.count()).map(value).collect()));
     }
     Ok((energy, all))

@@ -3,7 +3,7 @@
 use crate::explore::scaling::{Scaling, bend, shortest_nm};
 use crate::explore::span::{Fineness, Span, known};
 use crate::explore::stencil::Nodes;
-use crate::explore::unit::{UnitSheet, shifts};
+use crate::explore::unit::{UnitSheet, shifts, tilt};
 use crate::images::{Sheet, Viewpoint};
 use crate::model::wave;
 use crate::names::{Kernel, LobeShape};
@@ -151,7 +151,8 @@ impl Shape {
                     azimuth_deg: known(azimuth_deg),
                     r_mm,
                 };
-                reach = reach.max(rays.on(sheet).spot(&at, 1.0)?.reach_mm());
+                let tilt = tilt(kernel, incidence_deg);
+                reach = reach.max(rays.on(sheet).spot(&at, 1.0)?.reach_mm() / tilt);
             }
             let end = ends.at(r_mm);
             // The transform of waves has a kink at frequency 0 and an end, so that a few points

@@ -6,10 +6,12 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use rustfft::FftPlanner;
 
+use crate::explore::gaps::{Patch, area};
 use crate::explore::grid::{Error, Grid, UNIT};
 use crate::explore::lattice::{Lattice, kinked};
 use crate::explore::scaling::Scaling;
 use crate::explore::stencil::Share;
+use crate::explore::unit::tilt;
 use crate::images::{Sheet, TAIL, Viewpoint};
 use crate::model::{Baseline, Blur};
 use crate::names::{Kernel, LobeShape};
@@ -38,6 +40,10 @@ struct MixedSpot {
     /// from nothing.
     light: f64,
     shift: Shift,
+    /// Light by patches, in edge lengths, in place of `shift`.
+    patches: Option<Vec<Patch>>,
+    /// Tangential and sagittal size of an edge length, mm.
+    edge_mm: [f64; 2],
     reach_mm: f64,
 }
 
@@ -45,6 +51,8 @@ struct MixedSpot {
 struct Shift {
     /// Highest frequency, 1/mm.
     end: f64,
+    /// Factor of tangential frequencies, see [`tilt`].
+    tilt: f64,
     /// Slope of the kink of waves, mm.
     kink: f64,
     /// Mixture over the directions, for each state.
@@ -60,7 +68,15 @@ impl Mixed<'_> {
     fn spot(&self, place: &Viewpoint) -> Result<MixedSpot, PredictError> {
         let Fitted { result, table } = self.sheet;
         let blur = self.sheet.blur(place.incidence_deg)?;
-        let (shift, light, reach) = self.mixture(place, blur.c_mm);
+        let edge_mm = [
+            blur.c_mm * place.incidence_deg.to_radians().cos(),
+            blur.c_mm,
+        ];
+        let patches = self.patches(place, edge_mm);
+        let (shift, light, reach) = match &patches {
+            Some(patches) => gathered(patches),
+            None => self.mixture(place, blur.c_mm),
+        };
         let mut spot = MixedSpot {
             kernel: result.kernel,
             shape: result.lobe.unwrap_or(LobeShape::Radial),
@@ -70,11 +86,27 @@ impl Mixed<'_> {
             refractive_index: table.provenance.refractive_index,
             light: if light > FAINT { light } else { 0.0 },
             shift,
+            patches,
+            edge_mm,
             reach_mm: 0.0,
         };
         let waves = spot.shift.kink / (PI * PI * TAIL);
         spot.reach_mm = reach * blur.c_mm + spot.lobe_reach_mm() + waves;
         Ok(spot)
+    }
+
+    /// Returns the light at a place by patches, if the grid holds paths.
+    fn patches(&self, place: &Viewpoint, edge_mm: [f64; 2]) -> Option<Vec<Patch>> {
+        let gaps = self.grid.gaps.as_ref()?;
+        let azimuth_deg = place.azimuth_deg.unwrap_or(self.grid.azimuth.first);
+        let (azimuth_deg, mirrored) = self.grid.azimuth.fold(azimuth_deg);
+        let per_tangent = edge_mm.map(|edge| place.r_mm / edge);
+        let mut patches = gaps.patches([place.incidence_deg, azimuth_deg], per_tangent);
+        if mirrored {
+            let corners = patches.iter_mut().flat_map(|patch| &mut patch.corners);
+            corners.for_each(|corner| corner[1] = -corner[1]);
+        }
+        Some(patches)
     }
 
     /// Returns the shift at a place, the light that returns and the reach in edge lengths.
@@ -138,11 +170,56 @@ impl Mixed<'_> {
         all.for_each(|value| *value /= light.max(FAINT));
         let shift = Shift {
             end: grid.ends.at(scaling) / c_mm,
+            tilt: tilt(self.sheet.result.kernel, place.incidence_deg),
             kink: grid.kink * scaling * c_mm,
             states: mixed,
         };
         (shift, light, reach)
     }
+}
+
+/// Returns no shift, the light of all patches, and how far they reach, edge lengths.
+fn gathered(patches: &[Patch]) -> (Shift, f64, f64) {
+    let corners = patches.iter().flat_map(|patch| &patch.corners);
+    let reach = corners
+        .map(|corner| corner[0].hypot(corner[1]))
+        .fold(0.0, f64::max);
+    let none = Shift {
+        end: f64::INFINITY,
+        tilt: 1.0,
+        kink: 0.0,
+        states: vec![(Lattice::NONE, Vec::new())],
+    };
+    (none, patches.iter().map(|patch| patch.light).sum(), reach)
+}
+
+/// Returns the transform E[exp(-2 pi i f.x)] of light that is spread evenly over a polygon.
+///
+/// By Gauss's theorem it is a sum over the edges.
+fn transform(corners: &[[f64; 2]], f: [f64; 2]) -> Complex64 {
+    let squared = f[0] * f[0] + f[1] * f[1];
+    let area = area(corners);
+    let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+    // Rounding is 1e-16 / (f size)^2; the first two terms of the series err by less than that.
+    let size = corners
+        .iter()
+        .map(|own| own[0].hypot(own[1]))
+        .fold(0.0, f64::max);
+    if squared.sqrt() * size < 1e-4 {
+        let count = corners.len() as f64;
+        let middle = [0, 1].map(|k| corners.iter().map(|own| own[k]).sum::<f64>() / count);
+        return Complex64::cis(-2.0 * PI * (f[0] * middle[0] + f[1] * middle[1]));
+    }
+    let sum: Complex64 = ends
+        .map(|(a, b)| {
+            let edge = [b[0] - a[0], b[1] - a[1]];
+            let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+            let along = PI * (f[0] * edge[0] + f[1] * edge[1]);
+            let turn = Complex64::cis(-2.0 * PI * (f[0] * middle[0] + f[1] * middle[1]));
+            turn * ((f[0] * edge[1] - f[1] * edge[0]) * sinc(along))
+        })
+        .sum();
+    sum * Complex64::I / (2.0 * PI * squared * area)
 }
 
 impl MixedSpot {
@@ -190,7 +267,15 @@ impl MixedSpot {
 
     /// Evaluates the OTF at a frequency (tangential, sagittal), 1/mm.
     fn otf(&self, frequency: [f64; 2]) -> Complex64 {
-        self.shift.at(frequency) * self.lobe(frequency)
+        let Some(patches) = &self.patches else {
+            return self.shift.at(frequency) * self.lobe(frequency);
+        };
+        let per_edge = [0, 1].map(|k| frequency[k] * self.edge_mm[k]);
+        let all = patches.iter();
+        let sum: Complex64 = all
+            .map(|own| own.light * transform(&own.corners, per_edge))
+            .sum();
+        sum / self.light.max(FAINT)
     }
 }
 
@@ -204,7 +289,7 @@ impl Shift {
             return self.at(frequency.map(|f| -f)).conj();
         }
         // States are mixed at the same share of their ends.
-        let share = frequency.map(|f| f / self.end);
+        let share = [frequency[0] * self.tilt, frequency[1]].map(|f| f / self.end);
         if share[0].abs() > 1.0 || share[1] > 1.0 {
             return Complex64::ZERO;
         }

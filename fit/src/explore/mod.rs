@@ -6,6 +6,7 @@
 //! page mixes the nodes of the grid and convolves; [`mixed`] does the same in Rust, so that the
 //! error of mixing can be measured and stated. The room may touch images and the rooms below them.
 
+mod gaps;
 mod grid;
 mod lattice;
 mod mixed;

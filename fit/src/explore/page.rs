@@ -4,6 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
+use crate::explore::gaps::Gaps;
 use crate::explore::grid::{Error, Grid, UNIT};
 use crate::explore::lattice::{Ending, Lattice, MARGIN};
 use crate::explore::mixed::{FAINT, Misfit};
@@ -15,7 +16,7 @@ use crate::images::TAIL;
 use crate::model::{Baseline, CUT};
 use crate::names::{Kernel, LobeShape, ParameterKind};
 use crate::predict::Fitted;
-use crate::result::{Domain, Number, Parameter};
+use crate::result::{Domain, Number, Parameter, ResultFile};
 
 /// Markup of the page, with the places of style, data and scripts.
 const MARKUP: &str = include_str!("page/page.html");
@@ -24,8 +25,9 @@ const MARKUP: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
 
 /// Scripts, in the order in which the page runs them.
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 7] = [
     include_str!("page/fft.js"),
+    include_str!("page/polygons.js"),
     include_str!("page/sheet.js"),
     include_str!("page/blur.js"),
     include_str!("page/pictures.js"),
@@ -127,6 +129,7 @@ struct Data<'a> {
     kink: f64,
     unit: f64,
     lattices: &'a [Lattice],
+    gaps: Option<&'a Gaps>,
     margin: usize,
     tail: f64,
     cut: f64,
@@ -186,6 +189,57 @@ pub(crate) fn page(explorer: &Explorer<'_>, step: &(dyn Fn(usize) + Sync)) -> Re
 fn data<'a>(explorer: &'a Explorer<'_>, grid: &'a Grid, misfit: Misfit, places: usize) -> Data<'a> {
     let (result, table) = (explorer.sheet.result, explorer.sheet.table);
     let kernel = result.kernel;
+    let size = ParameterKind::size_of(kernel);
+    Data {
+        title: &explorer.title,
+        design: &result.table.design,
+        kernel,
+        lobe: result.lobe,
+        spread_name: ParameterKind::spread_of(kernel).name(),
+        size_name: size.name(),
+        by_hand: result.is_by_hand(),
+        half_mirror: result.half_mirror,
+        seen_in_mirror: result.seen_in_mirror == Some(true),
+        verdict: result.fit.as_ref().map(|fit| fit.verdict.name()),
+        incidence: grid.incidence,
+        azimuth: known(grid.azimuth.first).map(|_| grid.azimuth),
+        state: grid.state,
+        scaling: grid.scaling,
+        bend: grid.bend,
+        ends: grid.ends,
+        kink: grid.kink,
+        unit: UNIT,
+        lattices: &grid.lattices,
+        gaps: grid.gaps.as_ref(),
+        margin: MARGIN,
+        tail: TAIL,
+        cut: CUT,
+        faint: FAINT,
+        real: grid.real,
+        energy: &grid.energy,
+        reach: &grid.reach,
+        values: &grid.text,
+        table: table_of(kernel, result.lobe),
+        gains: gains(kernel, grid, table.provenance.refractive_index),
+        parameters: values(result),
+        covariance: &result.covariance.matrix,
+        span: explorer.span,
+        start: explorer.start,
+        domain: result.domain.as_ref(),
+        places,
+        misfit: [misfit.pixel, misfit.peak],
+        goal: search::WANTED,
+        warnings: &result.warnings,
+        source: explorer.source.as_ref().map(|source| {
+            let address = format!("data:image/png;base64,{}", STANDARD.encode(&source.png));
+            [source.name.clone(), address]
+        }),
+        version: env!("CARGO_PKG_VERSION"),
+    }
+}
+
+/// Returns the parameters of a result.
+fn values(result: &ResultFile) -> Values {
     let row = |kind: ParameterKind, incidence_deg: Option<f64>| {
         let names = &result.covariance.names;
         names
@@ -213,56 +267,12 @@ fn data<'a>(explorer: &'a Explorer<'_>, grid: &'a Grid, misfit: Misfit, places: 
                 .collect(),
         }
     };
-    let size = ParameterKind::size_of(kernel);
+    let size = ParameterKind::size_of(result.kernel);
     let sizes = result.c_mm.or(result.surface_roughness);
-    Data {
-        title: &explorer.title,
-        design: &result.table.design,
-        kernel,
-        lobe: result.lobe,
-        spread_name: ParameterKind::spread_of(kernel).name(),
-        size_name: size.name(),
-        by_hand: result.is_by_hand(),
-        half_mirror: result.half_mirror,
-        seen_in_mirror: result.seen_in_mirror == Some(true),
-        verdict: result.fit.as_ref().map(|fit| fit.verdict.name()),
-        incidence: grid.incidence,
-        azimuth: known(grid.azimuth.first).map(|_| grid.azimuth),
-        state: grid.state,
-        scaling: grid.scaling,
-        bend: grid.bend,
-        ends: grid.ends,
-        kink: grid.kink,
-        unit: UNIT,
-        lattices: &grid.lattices,
-        margin: MARGIN,
-        tail: TAIL,
-        cut: CUT,
-        faint: FAINT,
-        real: grid.real,
-        energy: &grid.energy,
-        reach: &grid.reach,
-        values: &grid.text,
-        table: table_of(kernel, result.lobe),
-        gains: gains(kernel, grid, table.provenance.refractive_index),
-        parameters: Values {
-            spread: all(ParameterKind::spread_of(kernel), result.spread()),
-            c: sizes.iter().map(|own| one(size, own)).collect(),
-            mu: all(ParameterKind::Mu, result.mu.as_ref()),
-        },
-        covariance: &result.covariance.matrix,
-        span: explorer.span,
-        start: explorer.start,
-        domain: result.domain.as_ref(),
-        places,
-        misfit: [misfit.pixel, misfit.peak],
-        goal: search::WANTED,
-        warnings: &result.warnings,
-        source: explorer.source.as_ref().map(|source| {
-            let address = format!("data:image/png;base64,{}", STANDARD.encode(&source.png));
-            [source.name.clone(), address]
-        }),
-        version: env!("CARGO_PKG_VERSION"),
+    Values {
+        spread: all(ParameterKind::spread_of(result.kernel), result.spread()),
+        c: sizes.iter().map(|own| one(size, own)).collect(),
+        mu: all(ParameterKind::Mu, result.mu.as_ref()),
     }
 }
 

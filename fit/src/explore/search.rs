@@ -1,6 +1,6 @@
 //! Search for the coarsest grid that is fine enough.
 
-use crate::explore::grid::{Error, Grid};
+use crate::explore::grid::{Error, Grid, own_axes};
 use crate::explore::mixed::{Misfit, Mixed, misfit};
 use crate::explore::scaling::Scaling;
 use crate::explore::span::{Fineness, Span, known};
@@ -62,6 +62,9 @@ pub(crate) fn grid(
         table: sheet.table,
     };
     let mut fineness = Fineness::first(sheet);
+    if sheet.result.kernel == Kernel::Shift {
+        fineness.own = own_axes(sheet.table);
+    }
     let mut best: Option<Found> = None;
     let mut coarser: Option<Fineness> = None;
     let mut tried = 0;
@@ -71,6 +74,10 @@ pub(crate) fn grid(
             Ok(grid) => grid,
             Err(error @ Error::Large { .. }) => {
                 fineness = match coarser.take() {
+                    _ if fineness.own.is_some() && best.is_none() => Fineness {
+                        own: None,
+                        ..fineness
+                    },
                     Some(coarser) => coarser,
                     None if best.is_none() && tried <= COARSER => AXES
                         .iter()
@@ -91,7 +98,9 @@ pub(crate) fn grid(
         let spread = spread(sheet, &grid, span);
         let found = error(sheet, &spread)?.or(error(&sharpest, &spread)?);
         step(tried);
-        let enough = goal(sheet, found) <= WANTED || tried >= MOST_GRIDS;
+        // Paths have no grid that could be finer.
+        let last = tried >= MOST_GRIDS || grid.gaps.is_some();
+        let enough = goal(sheet, found) <= WANTED || last;
         let worst = match enough {
             true => None,
             false => {
@@ -120,9 +129,11 @@ pub(crate) fn grid(
     }
 }
 
-/// Returns the error that the search makes small: that of a pixel and that of a weight. Without a
-/// lobe and without waves it is that of a pixel alone: the light of the shift ends at a sharp rim,
-/// which moves with the direction, and no grid that fits into a page follows the weights there.
+/// Returns the error that the search makes small: that of a pixel and that of a weight.
+///
+/// The light of kernel `shift` ends at a sharp rim. Where the page has neither the paths of the
+/// table nor its own directions, no grid that fits into a page follows the weights there, and that
+/// of a pixel counts alone.
 fn goal(sheet: &Fitted<'_>, misfit: Misfit) -> f64 {
     if sheet.result.kernel == Kernel::Shift {
         misfit.pixel
@@ -134,6 +145,10 @@ fn goal(sheet: &Fitted<'_>, misfit: Misfit) -> f64 {
 /// Returns the fineness of a grid whose steps along one axis are multiplied by `factor`.
 fn finer(mut fineness: Fineness, axis: Axis, factor: f64) -> Fineness {
     match axis {
+        // The directions of the table are no finer than they are.
+        Axis::Incidence | Axis::Azimuth if fineness.own.is_some() => {
+            return finer(fineness, Axis::None, factor);
+        }
         Axis::Incidence => fineness.incidence_deg *= factor,
         Axis::Azimuth => fineness.azimuth_deg *= factor,
         Axis::State => fineness.state *= factor,

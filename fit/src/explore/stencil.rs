@@ -90,6 +90,11 @@ impl Nodes {
         self.first + self.step * node as f64
     }
 
+    /// Returns the width of the axis: to its last node, or to the node that is the first again.
+    pub(crate) fn width(&self) -> f64 {
+        self.step * self.middles().count() as f64
+    }
+
     /// Returns the places in the middle between neighbours.
     pub(crate) fn middles(&self) -> impl Iterator<Item = f64> + use<> {
         let nodes = *self;
@@ -127,6 +132,23 @@ impl Nodes {
                 }
             })
             .collect()
+    }
+
+    /// Returns the place from the first node to the last that stands for any place of a turn, and
+    /// whether it is mirrored. An open axis is not continued.
+    pub(crate) fn fold(&self, place: f64) -> (f64, bool) {
+        let width = self.width();
+        match self.ends {
+            Ends::Open => (place, false),
+            Ends::Turn => (self.first + (place - self.first).rem_euclid(width), false),
+            Ends::Mirrors => {
+                let within = (place - self.first).rem_euclid(2.0 * width);
+                match within <= width {
+                    true => (self.first + within, false),
+                    false => (self.first + 2.0 * width - within, true),
+                }
+            }
+        }
     }
 
     /// Returns the node that stands for a number beyond the ends, and whether it is mirrored.
@@ -188,6 +210,31 @@ mod tests {
             cases += 1;
         }
         assert_eq!(cases, 101);
+    }
+
+    /// An even function with mirrors has the same value at the place that stands for another. An
+    /// odd one changes its sign if that place is mirrored. Angles of 600 degrees round by 1e-12.
+    #[test]
+    fn places_beyond_the_ends_are_folded_back() {
+        let mirrors = Nodes::between([10.0, 40.0], 12, Ends::Mirrors);
+        let turn = Nodes::between([10.0, 70.0], 12, Ends::Turn);
+        let angle = |x: f64| (6.0 * (x - 10.0)).to_radians();
+        let mut cases = 0;
+        for k in -200..400 {
+            let x = f64::from(k) * 0.7;
+            for (nodes, end) in [(mirrors, 40.0), (turn, 70.0)] {
+                let (own, mirrored) = nodes.fold(x);
+                assert!((10.0..=end).contains(&own), "{x}: {own}");
+                assert!(!mirrored || nodes.ends == Ends::Mirrors);
+                let sign = if mirrored { -1.0 } else { 1.0 };
+                assert!((angle(own).cos() - angle(x).cos()).abs() < 1e-11);
+                assert!((sign * angle(own).sin() - angle(x).sin()).abs() < 1e-11);
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 1200);
+        let open = Nodes::between([10.0, 40.0], 12, Ends::Open);
+        assert_eq!(open.fold(55.0), (55.0, false));
     }
 
     /// Nodes of an even function of the azimuth, with mirrors at 10 and 40: cos(6 (x - 10)) has

@@ -46,3 +46,13 @@ impl UnitSheet {
 pub(crate) fn shifts(kernel: Kernel) -> bool {
     kernel.has_c() && !kernel.is_baseline()
 }
+
+/// Returns the factor by which a shift along the sheet is shortened across the viewing ray.
+///
+/// Waves are not taken apart into shifts along the sheet: for them it is 1.
+pub(crate) fn tilt(kernel: Kernel, incidence_deg: f64) -> f64 {
+    match shifts(kernel) && kernel != Kernel::Wave {
+        true => incidence_deg.to_radians().cos(),
+        false => 1.0,
+    }
+}

@@ -501,7 +501,7 @@ fn clipped(polygon: &[[f64; 2]], line: Line) -> Vec<[f64; 2]> {
 ///
 /// They belong to the best affine function by the weights 1 / distance^4. If the places lie on one
 /// line, the function does not change across it.
-fn weights(places: &[[f64; 2]], tau: [f64; 2]) -> Vec<f64> {
+pub(crate) fn weights(places: &[[f64; 2]], tau: [f64; 2]) -> Vec<f64> {
     let nearest = places
         .iter()
         .map(|&place| distance(place, tau))

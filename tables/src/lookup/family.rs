@@ -1,6 +1,8 @@
 //! What the interpolation between directions knows of each path, for those who bound its error.
 
-use crate::lookup::between::{self, Course, FASTEST, Line, Node, Shape, absent, families, shapes};
+use crate::lookup::between::{
+    self, Course, FASTEST, Line, Node, Shape, absent, families, shapes, weights,
+};
 
 /// Path of the sheet as the directions around a gap show it: all that the interpolation between
 /// them knows, whatever direction of the gap is asked for.
@@ -31,6 +33,29 @@ impl Family {
     /// At tau the polygon lies within [`Family::bounds`], widened by this times the distance to the
     /// nearest direction that has the path.
     pub const FASTEST: f64 = FASTEST;
+
+    /// Evaluates the lines, and the numbers of [`Family::members`], at a direction tau.
+    ///
+    /// Normals are not of unit length.
+    pub fn at(&self, tau: [f64; 2]) -> (Vec<[f64; 3]>, [f64; 7]) {
+        let lines = self.lines.iter().map(|course| mean(course, tau));
+        (lines.collect(), mean(&self.members, tau))
+    }
+}
+
+/// Returns the mean at `tau` of the values of some directions.
+///
+/// It is taken relative to the first, so that a value that all share comes out unchanged.
+fn mean<const N: usize>(values: &[([f64; 2], [f64; N])], tau: [f64; 2]) -> [f64; N] {
+    let places: Vec<[f64; 2]> = values.iter().map(|(place, _)| *place).collect();
+    let first = values[0].1;
+    let mut mean = first;
+    for (weight, (_, value)) in weights(&places, tau).into_iter().zip(values) {
+        for k in 0..N {
+            mean[k] += weight * (value[k] - first[k]);
+        }
+    }
+    mean
 }
 
 /// Returns the families between `nodes`, or `None` if they cannot be interpolated.

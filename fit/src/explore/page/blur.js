@@ -10,6 +10,15 @@ const QUICK = { widest: 67, evaluations: 40000 };
 // reach.
 function weights(place, pitch, limits = FINE) {
   if (!place.returns) return { reach: 0, values: Float32Array.of(0) };
+  if (place.polygons) {
+    // Columns run along the plane of incidence, rows against the sagittal axis.
+    const down = data.seen_in_mirror ? pitch : -pitch;
+    const pixels = ({ corners, light }) => ({
+      corners: corners.map(([u, v]) => [u / pitch, v / down]),
+      light: light / place.light,
+    });
+    return depositedWeights(place.polygons.map(pixels));
+  }
   // Frequencies in cycles per pixel that look alike on whole pixels, up to where the OTF ends.
   const rim = Math.min(16, Math.max(0.5, place.highest() * pitch));
   const pixels = (mm) => Math.floor(mm / pitch) + 2;

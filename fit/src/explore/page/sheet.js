@@ -161,6 +161,11 @@ class Place {
   constructor(settings) {
     this.settings = settings;
     const { distance, incidence, azimuth, c } = settings;
+    this.polygons = data.gaps ? polygonsOf(settings) : null;
+    if (this.polygons) {
+      this.shaped();
+      return;
+    }
     const scaling = { fixed: 1, deviating: distance / c, waves: distance / (c * c) }[data.scaling];
     const { light, reach, states } = mixtureAt(incidence, azimuth, scaling);
     this.states = states;
@@ -169,12 +174,27 @@ class Place {
     const { highest, angle } = data.ends;
     const end = (highest ** -4 + (scaling / angle) ** 4) ** -0.25;
     this.end = shifts ? end / c : Infinity;
+    // Tangential frequencies of shifts are those along the sheet.
+    this.tilt = data.scaling === "waves" ? 1 : Math.cos((incidence * Math.PI) / 180);
     this.kink = data.kink * scaling * c;
     this.lobe = lobe(settings);
     // What holds nearly all light, and what holds all but 0.2 % of it along an axis: the tails of
     // waves and of the separable lobe are long.
     this.core = reach * c + this.lobe.core + 3 * this.kink;
     this.reach = reach * c + this.lobe.reach + this.kink / (Math.PI ** 2 * TAIL);
+  }
+
+  // Takes light and reach from the polygons, in mm.
+  shaped() {
+    const all = this.polygons.flatMap((polygon) => polygon.corners);
+    this.light = this.polygons.reduce((sum, polygon) => sum + polygon.light, 0);
+    this.returns = this.light > FAINT;
+    this.reach = all.reduce((most, corner) => Math.max(most, Math.hypot(...corner)), 0);
+    this.core = this.reach;
+    // The transform of a polygon falls by the square of the frequency.
+    this.end = 16 / this.settings.c;
+    this.tilt = 1;
+    this.lobe = lobe(this.settings);
   }
 
   // Luminance of the mid-air image divided by that of the source; null without mu.
@@ -189,6 +209,13 @@ class Place {
       out[0] = out[1] = 0;
       return;
     }
+    if (this.polygons) {
+      out[0] = out[1] = 0;
+      for (const { corners, light } of this.polygons) {
+        addTransform(corners, light / this.light, x, y, out);
+      }
+      return;
+    }
     const factor = this.lobe.at(x, y);
     if (!shifts || factor === 0) {
       out[0] = factor;
@@ -197,7 +224,7 @@ class Place {
     }
     const sign = y < 0 ? -1 : 1;
     // States are mixed at the same share of their ends.
-    const across = (sign * x) / this.end;
+    const across = (sign * x * this.tilt) / this.end;
     const down = (sign * y) / this.end;
     out[0] = out[1] = 0;
     if (Math.abs(across) > 1 || down > 1) return;
@@ -209,8 +236,16 @@ class Place {
 
   // Highest frequency at which anything is left, 1/mm.
   highest() {
-    return Math.min(this.end, this.lobe.end);
+    return Math.min(this.end / this.tilt, this.lobe.end);
   }
+}
+
+// Polygons of the light, (tangential, sagittal) in mm.
+function polygonsOf({ distance, incidence, azimuth, c }) {
+  const edge = [c * Math.cos((incidence * Math.PI) / 180), c];
+  const found = polygonsAt(incidence, azimuth, [distance / edge[0], distance / edge[1]]);
+  const scaled = ([u, v]) => [u * edge[0], v * edge[1]];
+  return found.map(({ corners, light }) => ({ corners: corners.map(scaled), light }));
 }
 
 // Adds the transforms of a direction, times a share, to a state.

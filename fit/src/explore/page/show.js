@@ -84,7 +84,8 @@ function fallsTo(place, level) {
   };
   if (!place.returns || lesser(0) < level) return 0;
   // Fine enough for the shift, and for a lobe or waves.
-  const step = Math.min(place.highest() / 200, 0.05 / Math.max(place.settings.c, 1e-9));
+  const coarsest = Math.min(0.05 / Math.max(place.settings.c, 1e-9), 0.1 / place.core);
+  const step = Math.min(place.highest() / 200, coarsest);
   if (!Number.isFinite(step)) return Infinity;
   for (let low = 0, f = step; f < place.highest() + step; low = f, f += step) {
     if (lesser(f) >= level) continue;
