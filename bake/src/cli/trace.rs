@@ -8,7 +8,7 @@ use crate::cli::host::Caller;
 use crate::cli::progress::{self, Progress};
 use crate::cli::report;
 use crate::optics::material;
-use crate::plan::{Plan, PlanError, Request, default};
+use crate::plan::{BINS_LIMIT, MOST_THREADS, Plan, PlanError, Request, default};
 use crate::run::{Bake, Launched, Ranks, SavedFile, Saves, Watch, saves};
 use clap::Args;
 use meshes::Mesh;
@@ -65,7 +65,7 @@ pub(crate) struct TraceArgs {
         value_name = "N",
         default_value_t = default::BINS,
         help_heading = heading::ACCURACY,
-        value_parser = whole::<usize>(0..)
+        value_parser = whole::<usize>(1..=BINS_LIMIT)
     )]
     bins: usize,
     /// Half width of the histogram, edge lengths
@@ -152,7 +152,7 @@ pub(crate) struct TraceArgs {
     #[arg(long, value_enum, default_value_t = Method::Auto, help_heading = heading::RAYS)]
     method: Method,
     /// Rays per direction [default: 4194304]
-    #[arg(long, value_name = "N", help_heading = heading::RAYS, value_parser = whole::<u64>(0..))]
+    #[arg(long, value_name = "N", help_heading = heading::RAYS, value_parser = whole::<u64>(1..))]
     rays: Option<u64>,
     /// Traces until the estimated L1 error of every direction is below E
     ///
@@ -210,7 +210,7 @@ pub(crate) struct TraceArgs {
         long,
         value_name = "N",
         help_heading = heading::OUTPUT,
-        value_parser = whole::<usize>(0..)
+        value_parser = whole::<usize>(1..=MOST_THREADS)
     )]
     threads: Option<usize>,
 }

@@ -28,7 +28,7 @@ pub(crate) struct Shard {
 }
 
 /// Largest number of threads.
-const MOST_THREADS: usize = 4096;
+pub(crate) const MOST_THREADS: usize = 4096;
 
 impl Effort {
     /// Reads the amount of work from `--rays` and `--tolerance`.

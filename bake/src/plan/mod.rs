@@ -20,8 +20,8 @@ mod scene;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use effort::{Effort, Shard};
+pub(crate) use effort::{Effort, MOST_THREADS, Shard};
 pub use error::PlanError;
-pub(crate) use limits::{MOST_BYTES, RAYS_PER_RANDOMISATION};
+pub(crate) use limits::{BINS_LIMIT, MOST_BYTES, RAYS_PER_RANDOMISATION};
 pub use plan::Plan;
 pub use request::Request;

@@ -251,6 +251,7 @@ impl Failure {
     /// Makes the failure of options of `verb` that exclude each other.
     pub(crate) fn conflict(verb: &'static str, message: impl fmt::Display) -> Failure {
         clap::Command::new(verb)
+            .override_usage(format!("{verb} [OPTIONS]"))
             .error(clap::error::ErrorKind::ArgumentConflict, message)
             .into()
     }

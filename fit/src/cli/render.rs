@@ -17,7 +17,7 @@ use crate::cli::output;
 use crate::cli::parse;
 use crate::cli::progress::Progress;
 use crate::cli::render::facts::{Contrast, Range, Report, Seconds};
-use crate::cli::render::seen::{Seen, Way, from_afar, from_camera};
+use crate::cli::render::seen::{Seen, Way, from_afar, from_afar_reduced, from_camera};
 use crate::cli::sampled::Samples;
 use crate::estimate::Forward;
 use crate::images::render;
@@ -167,6 +167,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "MM", value_parser = parse::positive, help_heading = "Picture")]
     pub pixel_pitch: Option<f64>,
     /// Width of the picture in the air, mm, in place of --pixel-pitch.
+    ///
+    /// Under a blur of more than 8191 pixels, the picture gets fewer of them, and a warning says
+    /// so.
     #[arg(
         long,
         value_name = "MM",
@@ -324,8 +327,8 @@ impl Arguments {
             let pitch = self.pitch_mm(columns);
             let pitch = pitch.or(self.view.is_some().then_some(1.0));
             let pitch = pitch.ok_or_else(|| {
-                let message = "numbers of a sheet have no camera; give --width, the width of the \
-                    picture in the air, mm";
+                let message = "nothing says how large the picture is; give --width, its width in \
+                    the air, mm";
                 Failure::conflict("fit render", message)
             })?;
             return self.by_hand.result("fit render", pitch, table);
@@ -374,18 +377,41 @@ pub(super) fn rendered(
         sampling: arguments.samples.sampling(),
         watch,
     };
-    let seen = match &view {
-        Some(view) => from_camera(source, sheet, view, arguments.tolerance, &way),
+    let (seen, reduced, pitch_mm) = match &view {
+        Some(view) => {
+            let seen = from_camera(source, sheet, view, arguments.tolerance, &way)?;
+            (seen, None, pitch_mm)
+        }
         None => {
             let scale = Scale {
                 pitch_mm,
                 tangential_axis_deg: arguments.tangential_axis,
                 seen_in_mirror: arguments.seen_in_mirror,
             };
-            from_afar(source, sheet, arguments.place(sheet), &scale, &way)
+            let place = arguments.place(sheet);
+            match arguments.width {
+                Some(_) => from_afar_reduced(source, sheet, place, &scale, &way)?,
+                None => (
+                    from_afar(source, sheet, place, &scale, &way)?,
+                    None,
+                    pitch_mm,
+                ),
+            }
         }
-    }?;
+    };
     let mut warnings = warnings(source, &seen, table);
+    let source = match &reduced {
+        None => source,
+        Some(reduced) => {
+            warnings.push(format!(
+                "the blur reaches more pixels than can be computed: the picture was reduced from \
+                {} x {} to {} x {} pixels of {:.3} mm",
+                source.width, source.height, reduced.width, reduced.height, pitch_mm
+            ));
+            reduced
+        }
+    };
+    warnings.extend(spacious(source.width as f64 * pitch_mm, arguments.distance));
     let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
     warnings.extend(remarks(result, table, &places)?);
     let mut image = seen.image;
@@ -427,6 +453,18 @@ pub(super) fn rendered(
         warnings,
     };
     Ok((image, report))
+}
+
+/// Returns the warning for a picture so wide that one incidence does not stand for all of it.
+///
+/// Beyond three times its distance, rays to its rims leave the middle one by more than 56 degrees.
+fn spacious(width_mm: f64, distance_mm: Option<f64>) -> Option<String> {
+    let distance_mm = distance_mm.filter(|distance_mm| width_mm > 3.0 * distance_mm)?;
+    Some(format!(
+        "the picture is {width_mm:.0} mm wide, and floats only {distance_mm:.0} mm from its sheet: \
+        its rims are seen at other incidences; give --view, or exchange --width and --distance if \
+        they are mixed up"
+    ))
 }
 
 /// Returns the warning for an image that is brighter than its file can hold.

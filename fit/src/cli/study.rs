@@ -112,7 +112,7 @@ pub(crate) struct Arguments {
         default_value_t = 1900,
         requires = "ranges",
         help_heading = "Drawn campaigns",
-        value_parser = terminal::whole::<u64>(0..)
+        value_parser = terminal::whole::<u64>(1..)
     )]
     pub campaigns: u64,
     /// Seed of all draws, and of the samples of a render.

@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tables::cli as terminal;
 use tables::cli::{Completions, Manual, version};
@@ -86,8 +87,33 @@ pub fn main(commit: Option<&str>) -> ExitCode {
 /// Reads the command line of the process. Ends the program after `--help` and for wrong usage.
 fn arguments(commit: Option<&str>) -> Arguments {
     let mut command = command().version(version(env!("CARGO_PKG_VERSION"), commit));
-    let matches = command.get_matches_mut();
+    let matches = command
+        .try_get_matches_from_mut(std::env::args_os())
+        .unwrap_or_else(|error| hinted(error).exit());
     Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit())
+}
+
+/// Adds a hint to an error of a verb that lacks its result: a sheet may take its place.
+fn hinted(mut error: clap::Error) -> clap::Error {
+    let missing = match error.get(ContextKind::InvalidArg) {
+        Some(ContextValue::Strings(missing)) => missing,
+        _ => return error,
+    };
+    let result = |own: &String| own.starts_with("--params") || own.starts_with("<RESULT");
+    let own_sheet = Arguments::command().get_subcommands().any(|verb| {
+        let called = std::env::args().nth(1);
+        called.as_deref() == Some(verb.get_name())
+            && verb
+                .get_arguments()
+                .any(|argument| argument.get_id() == "sheet")
+    });
+    if error.kind() == ErrorKind::MissingRequiredArgument && own_sheet && missing.iter().any(result)
+    {
+        let hint = "without a fit, name a sheet in place of both, such as --sheet prism-0.1";
+        let hint = ContextValue::StyledStrs(vec![hint.into()]);
+        error.insert(ContextKind::Suggested, hint);
+    }
+    error
 }
 
 /// Returns the command line's description: all verbs and options of this build.

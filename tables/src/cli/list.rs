@@ -33,17 +33,36 @@ pub fn number(text: &str) -> Result<f64, String> {
 /// ```
 /// let parser = tables::cli::whole::<u32>(1..=100);
 /// assert_eq!(parser("7"), Ok(7));
+/// assert_eq!(parser("1e2"), Ok(100));
 /// assert_eq!(parser("7.5").unwrap_err(), "must be a whole number from 1 to 100");
+/// let count = tables::cli::whole::<u32>(1..);
+/// assert_eq!(count("1e12").unwrap_err(), "is too large");
 /// ```
 pub fn whole<T: TryFrom<usize>>(
     bounds: impl RangeBounds<usize> + Clone + Send + Sync + 'static,
 ) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
     move |text| {
-        let read = text.trim().parse().ok();
-        let within = read.filter(|whole| bounds.contains(whole));
-        within
-            .and_then(|whole| T::try_from(whole).ok())
-            .ok_or_else(|| format!("must be a whole number{}", words(&bounds)))
+        let fault = || format!("must be a whole number{}", words(&bounds));
+        let large = || match bounds.end_bound() {
+            Bound::Unbounded => "is too large".to_owned(),
+            _ => fault(),
+        };
+        let whole = match text.trim().parse::<usize>() {
+            Ok(whole) => whole,
+            // Counts of rays are often typed as 1e6. Beyond 2^53 such a number is not exact.
+            Err(_) => match text.trim().parse::<f64>() {
+                Ok(value) if value < 0.0 || value.fract() != 0.0 || value.is_nan() => {
+                    return Err(fault());
+                }
+                Ok(value) if value <= 2_f64.powi(53) => value as usize,
+                Ok(_) => return Err(large()),
+                Err(_) => return Err(fault()),
+            },
+        };
+        match bounds.contains(&whole) {
+            true => T::try_from(whole).map_err(|_| large()),
+            false => Err(fault()),
+        }
     }
 }
 

@@ -285,7 +285,7 @@ fn options() {
         trace("--rays", "0", "--rays"),
         trace("--rays", "many", "--rays"),
         trace("--bins", "0", "--bins"),
-        trace("--bins", "many", "whole number, 0 or larger"),
+        trace("--bins", "many", "whole number from 1 to 4096"),
         trace("--range", "0", "--range"),
         trace("--tolerance", "0", "--tolerance"),
         trace("--angular-tolerance", "-3", "--angular-tolerance"),

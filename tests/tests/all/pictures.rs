@@ -178,3 +178,105 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
     }
     assert_eq!(cases, 1 + 3 * 3 + 4 + 2 * 4);
 }
+
+/// Under a blur of more pixels than are computed, a picture whose width is given gets fewer of them.
+///
+/// The image is that of the picture with squares of 3 x 3 pixels made one, to the rounding of
+/// 32-bit floats. A picture whose pixels are given is refused.
+#[test]
+fn a_picture_under_a_very_wide_blur_gets_fewer_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let [width, height] = [1000_u32, 400];
+    let code = |x: u32, y: u32| ((x * 37 + y * 101) % 251 * 261) as u16;
+    let fine = ImageBuffer::from_fn(width, height, |x, y| Luma([code(x, y)]));
+    fine.save(here.join("fine.png")).unwrap();
+    // 1000 = 333 x 3 + 1 and 400 = 133 x 3 + 1: the last squares are dark but for one line.
+    let [columns, rows] = [334, 134];
+    let mean = |place: usize| {
+        let (x, y) = (place % columns * 3, place / columns * 3);
+        let inside = |&(x, y): &(usize, usize)| x < 1000 && y < 400;
+        let square = (0..9).map(|k| (x + k % 3, y + k / 3)).filter(inside);
+        let sum: f64 = square
+            .map(|(x, y)| f64::from(code(x as u32, y as u32)) / 65_535.0)
+            .sum();
+        (sum / 9.0) as f32
+    };
+    let coarse = Picture {
+        width: columns,
+        height: rows,
+        planes: vec![(0..columns * rows).map(mean).collect()],
+        transfer: Transfer::Linear,
+        warnings: Vec::new(),
+    };
+    std::fs::write(
+        here.join("coarse.exr"),
+        coarse.encode(Writing::Exr).unwrap(),
+    )
+    .unwrap();
+    let render = |source: &str, size: [&str; 2], to: &str| {
+        let place = [
+            "--distance",
+            "3000",
+            "--incidence",
+            "20",
+            "--json",
+            "-o",
+            to,
+        ];
+        let sheet = [
+            "render",
+            "--sheet",
+            "prism-0.1",
+            "--transfer",
+            "linear",
+            "--source",
+            source,
+        ];
+        fit(here, &[&sheet[..], &size, &place].concat())
+    };
+    let reduced = render("fine.png", ["--width", "200"], "reduced.exr");
+    assert!(
+        reduced
+            .err
+            .contains("was reduced from 1000 x 400 to 334 x 134 pixels of 0.600 mm"),
+        "{}",
+        reduced.err
+    );
+    let facts: Value = serde_json::from_str(&reduced.out).unwrap();
+    assert_eq!(
+        (&facts["width"], &facts["height"]),
+        (&334.into(), &134.into())
+    );
+    assert_eq!(
+        facts["pixel_pitch_mm"]
+            .as_f64()
+            .map(|mm| (mm * 1e9).round()),
+        Some(6e8)
+    );
+    render("coarse.exr", ["--pixel-pitch", "0.6"], "by-hand.exr");
+    let [own, by_hand] = ["reduced.exr", "by-hand.exr"].map(|file| {
+        let image = load_colour(&here.join(file), None).unwrap();
+        image.planes.into_iter().next().unwrap()
+    });
+    let brightest = by_hand.iter().copied().fold(0.0, f32::max);
+    assert!(brightest > 1e-3 && own.len() == columns * rows);
+    for (own, by_hand) in own.iter().zip(&by_hand) {
+        assert!((own - by_hand).abs() <= 1e-6 * brightest, "{own} {by_hand}");
+    }
+    let refused = render("fine.png", ["--pixel-pitch", "0.2"], "none.exr");
+    assert_eq!(refused.code, Some(1));
+    assert!(
+        refused
+            .err
+            .contains("give the size of the picture as --width")
+    );
+    assert!(!here.join("none.exr").exists());
+    // A width that was exchanged with the distance is said.
+    let exchanged = render("coarse.exr", ["--width", "9100"], "exchanged.exr");
+    assert!(
+        exchanged.err.contains("exchange --width and --distance"),
+        "{}",
+        exchanged.err
+    );
+}

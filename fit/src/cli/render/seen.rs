@@ -3,7 +3,7 @@
 use crate::cli::render::facts::TileReport;
 use crate::estimate::Forward;
 use crate::images::render;
-use crate::images::render::psf::Psf;
+use crate::images::render::psf::{Fault, LARGEST, Psf};
 use crate::images::render::sampled;
 use crate::images::render::sampled::Spotted;
 use crate::images::render::view::CameraView;
@@ -83,6 +83,42 @@ pub(super) fn from_afar(
             Seen::by_samples(found)
         }
     })
+}
+
+/// Renders the image as [`from_afar`] does, of a picture with fewer pixels if the blur is too wide
+/// for those that it has.
+///
+/// Returns the picture that was rendered, if it is another, and the side of its pixels, mm.
+pub(super) fn from_afar_reduced(
+    source: &Picture,
+    sheet: &Fitted<'_>,
+    place: Viewpoint,
+    scale: &Scale,
+    way: &Way<'_>,
+) -> Result<(Seen, Option<Picture>, f64), render::Error> {
+    let mut factor = 1;
+    loop {
+        let reduced = (factor > 1).then(|| source.reduced(factor));
+        let scale = Scale {
+            pitch_mm: scale.pitch_mm * factor as f64,
+            ..*scale
+        };
+        match from_afar(
+            reduced.as_ref().unwrap_or(source),
+            sheet,
+            place,
+            &scale,
+            way,
+        ) {
+            // Without end if the blur is wider than any number of pixels.
+            Err(render::Error::Blur(Fault::Wide { size, .. }))
+                if factor < source.width.max(source.height) =>
+            {
+                factor = (factor + 1).max(factor.saturating_mul(size) / LARGEST);
+            }
+            seen => return Ok((seen?, reduced, scale.pitch_mm)),
+        }
+    }
 }
 
 /// Renders the image as a camera sees it: each pixel at its own incidence, azimuth and distance.

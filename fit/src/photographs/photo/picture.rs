@@ -96,6 +96,31 @@ impl Picture {
         samples.for_each(|value| *value = (*value + ambient) * exposure);
     }
 
+    /// Returns the picture with each square of `factor` by `factor` pixels made one, their mean.
+    ///
+    /// It is dark beyond the right and the lower rim, as the mid-air image is.
+    pub fn reduced(&self, factor: usize) -> Picture {
+        let [width, height] = [self.width, self.height].map(|side| side.div_ceil(factor));
+        let share = 1.0 / (factor * factor) as f64;
+        let plane = |own: &Vec<f32>| {
+            let mut sums = vec![0.0_f64; width * height];
+            for (row, line) in own.chunks_exact(self.width).enumerate() {
+                let into = &mut sums[row / factor * width..][..width];
+                for (sum, pixels) in into.iter_mut().zip(line.chunks(factor)) {
+                    *sum += pixels.iter().map(|&value| f64::from(value)).sum::<f64>();
+                }
+            }
+            sums.into_iter().map(|sum| (sum * share) as f32).collect()
+        };
+        Picture {
+            width,
+            height,
+            planes: self.planes.iter().map(plane).collect(),
+            transfer: self.transfer,
+            warnings: self.warnings.clone(),
+        }
+    }
+
     /// Returns a picture with `left` on the left of this one, and a dark gap between them.
     ///
     /// If one of them is grey and the other one in colour, both are in colour. The lower one is
