@@ -62,11 +62,19 @@ impl Trace<'_> {
     pub(crate) fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if self.table.retroreflected.iter().all(|&eta| eta == 0.0) {
-            warnings.push(
-                "no light comes back in any direction: the fates say where it goes (give \
-                --element plate for a plate that light passes, --glass-index for bodies of glass)"
+            warnings.push(match deviated(&self.table) {
+                0.0 => "no light comes back in any direction: the fates say where it goes (give \
+                    --element plate for a plate that light passes, --glass-index for bodies of \
+                    glass)"
                     .into(),
-            );
+                share => format!(
+                    "no light comes straight back, but up to {:.1} % of a direction's light \
+                    leaves farther from straight back than --angular-tolerance ({} deg); give a \
+                    larger one if this light is part of the mid-air image",
+                    100.0 * share,
+                    self.table.provenance.angular_tolerance_deg
+                ),
+            });
         }
         let Some(found) = &self.table.deviations else {
             return warnings;
@@ -113,6 +121,14 @@ impl Trace<'_> {
             "directions": directions_json(self.table),
         })
     }
+}
+
+/// Returns the largest share of light, of all directions, that comes back but not straight back.
+fn deviated(table: &Table) -> f64 {
+    let [incidences, azimuths] = [table.axes.incidence_deg.len(), table.axes.azimuth_deg.len()];
+    let all = (0..incidences).flat_map(|i| (0..azimuths).map(move |a| (i, a)));
+    all.map(|(i, a)| table.fate[[i, a, Fate::Deviated as usize]])
+        .fold(0.0, f64::max)
 }
 
 /// Returns one line for each direction: angles, eta, its error, and the other fates that occur.

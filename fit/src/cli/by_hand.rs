@@ -142,8 +142,20 @@ impl Numbers {
     ) -> Result<ResultFile, Failure> {
         let half_mirror = self.half_mirror.unwrap_or(HALF_MIRROR);
         if let Some(sheet) = self.sheet {
-            // A table that is named must be of the same cell: this is checked with every result.
             let own = TableResult::of(&sheet.table()?);
+            let given = TableResult::of(table);
+            if !own.same_cell(&given) {
+                let message = format!(
+                    "--sheet {} is a sheet of {}, and the table is of {} with another {}; leave \
+                    --table out, or give the numbers of your sheet: --c with --wavelength-nm, --a \
+                    or --a-times-r",
+                    sheet.name,
+                    own.design,
+                    given.design,
+                    own.difference(&given)
+                );
+                return Err(Failure::conflict(verb, message));
+            }
             return Ok(sheet.result(own, self.mu, half_mirror, pixel_pitch_mm));
         }
         let Some(c_mm) = self.c else {

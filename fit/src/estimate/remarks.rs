@@ -39,10 +39,7 @@ pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
         ));
     }
     if let (Some(baked), Some(source)) = (table.provenance.wavelength_nm, spectrum)
-        && source
-            .lines()
-            .iter()
-            .all(|line| (line.wavelength_nm - baked).abs() > 1.0)
+        && !source.holds(baked)
     {
         warnings.push(format!(
             "the table is baked for {baked} nm, which is not a wavelength of the source; bake a \

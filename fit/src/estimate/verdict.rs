@@ -17,6 +17,9 @@ use crate::names::Kernel;
 /// it in 5 of 1000 fits with 20 degrees of freedom.
 const POOR_LENS: f64 = 2.0;
 
+/// Ratio of the farthest to the nearest distance from which on a slip in one of them is likely.
+const FAR_APART: f64 = 5.0;
+
 /// Number of suspects that a warning names.
 const SAID: usize = 3;
 
@@ -45,6 +48,7 @@ pub(crate) fn of_estimate(
                 .into(),
         );
     }
+    warnings.extend(unused_distances(scene, best.choice.kernel));
     let baseline = best.choice.kernel.is_baseline();
     warnings.extend(misfit(goodness, suspects, baseline));
     warnings.extend(unlike_diffraction(scene, best));
@@ -59,6 +63,23 @@ pub(crate) fn of_estimate(
     }
     warnings.extend(unlike_a_lens(scene));
     warnings
+}
+
+/// Returns a warning if distances lie far apart and the kernel does not use them: then no misfit
+/// tells of a slip in one of them, such as 15 for 150.
+fn unused_distances(scene: &Scene, kernel: Kernel) -> Option<String> {
+    let used = !matches!(kernel, Kernel::Eq1 | Kernel::Shift | Kernel::Lobe);
+    let all = || scene.shots.iter().map(|shot| shot.r_mm);
+    let nearest = all().fold(f64::INFINITY, f64::min);
+    let farthest = all().fold(0.0, f64::max);
+    (!used && farthest >= FAR_APART * nearest).then(|| {
+        format!(
+            "the floating distances go from {nearest} to {farthest} mm, and the blur of kernel {} \
+            does not depend on them: a slip in floating_distance_mm goes unnoticed, and what lies \
+            outside of the photographs is told by them; check that each is in mm",
+            kernel.name()
+        )
+    })
 }
 
 /// Returns a warning if light would have to have an impossible wavelength.

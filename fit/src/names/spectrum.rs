@@ -118,6 +118,14 @@ impl Spectrum {
     pub fn lines(&self) -> &[SpectralLine] {
         &self.lines
     }
+
+    /// Returns whether a line is within 1 nm of a wavelength.
+    pub(crate) fn holds(&self, wavelength_nm: f64) -> bool {
+        let lines = self.lines.iter();
+        lines
+            .map(|line| line.wavelength_nm)
+            .any(|own| (own - wavelength_nm).abs() <= 1.0)
+    }
 }
 
 impl fmt::Display for Spectrum {

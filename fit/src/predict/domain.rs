@@ -111,6 +111,17 @@ pub(crate) fn remarks(
     } else {
         own.map(|w| format!("the result warns: {w}")).collect()
     };
+    if let (true, Some(baked), Some(source)) = (
+        result.is_by_hand(),
+        table.provenance.wavelength_nm,
+        &result.wavelength_nm,
+    ) && !source.holds(baked)
+    {
+        remarks.push(format!(
+            "the table is baked for {baked} nm, which is not among the wavelengths given; bake a \
+            table for them"
+        ));
+    }
     let nearest = places.iter().map(|place| place.r_mm);
     remarks.extend(near(nearest.fold(f64::INFINITY, f64::min)));
     match &result.domain {

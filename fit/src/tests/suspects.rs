@@ -279,6 +279,26 @@ fn one_distance_in_cm_is_named() {
     );
 }
 
+/// Kernel eq1 does not use the distances, so that no misfit tells of a single one in cm. A warning
+/// says that they lie far apart and are not checked.
+#[test]
+fn one_distance_in_cm_that_no_kernel_uses_is_doubted() {
+    let (sheet, shots) = planted();
+    let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);
+    let doubts = |factor: f64| {
+        let found = found(&shots, &of_ideal, &eq1(), |manifest| {
+            manifest.captures[1].floating_distance_mm *= factor;
+        });
+        let found = found.unwrap();
+        assert_eq!(found.goodness.verdict, Verdict::Good);
+        let doubts = found.warnings.iter();
+        doubts
+            .filter(|said| said.contains("goes unnoticed"))
+            .count()
+    };
+    assert_eq!((doubts(1.0), doubts(0.1)), (0, 1));
+}
+
 /// No misfit tells of distances that are all in cm, but diffraction does: the lobe would need light
 /// of a wavelength ten times as long.
 #[test]

@@ -179,7 +179,7 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
     assert_eq!(cases, 1 + 3 * 3 + 4 + 2 * 4);
 }
 
-/// Under a blur of more pixels than are computed, a picture whose width is given gets fewer of them.
+/// Under a blur of more pixels than are computed, a picture whose width is given gets fewer pixels.
 ///
 /// The image is that of the picture with squares of 3 x 3 pixels made one, to the rounding of
 /// 32-bit floats. A picture whose pixels are given is refused.

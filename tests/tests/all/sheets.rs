@@ -85,8 +85,12 @@ fn what_is_no_sheet_is_refused() {
             2,
             "cannot be used with",
         ),
-        (&["--mu", "0.5"], 2, "required"),
-        (&["--sheet", "hollow-0.2", "--table", &table], 1, "cell"),
+        (&["--mu", "0.5"], 2, "name a sheet"),
+        (
+            &["--sheet", "hollow-0.2", "--table", &table],
+            2,
+            "--sheet hollow-0.2 is a sheet of full-cube",
+        ),
     ];
     for (words, code, text) in cases {
         let all: Vec<&str> = [&["predict"], words, &place].concat();
