@@ -414,6 +414,7 @@ pub(super) fn rendered(
     warnings.extend(spacious(source.width as f64 * pitch_mm, arguments.distance));
     let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
     warnings.extend(remarks(result, table, &places)?);
+    warnings.extend(beyond_the_rim(source, &seen));
     let mut image = seen.image;
     let contrast = (ambient > 0.0).then(|| Contrast {
         mean: image.mean_luminance() / ambient,
@@ -465,6 +466,25 @@ fn spacious(width_mm: f64, distance_mm: Option<f64>) -> Option<String> {
         its rims are seen at other incidences; give --view, or exchange --width and --distance if \
         they are mixed up"
     ))
+}
+
+/// Share of the light beyond the rim of the picture from which on a warning says so.
+const MUCH: f64 = 0.05;
+
+/// Returns the warning for light that falls outside of the picture.
+///
+/// It is known where all pixels have one blur: what returns, and is not in the image.
+fn beyond_the_rim(source: &Picture, seen: &Seen) -> Option<String> {
+    let [spot] = &seen.spots[..] else { return None };
+    let returned = spot.energy.unwrap_or(1.0) * source.mean_luminance();
+    let lost = 1.0 - seen.image.mean_luminance() / returned;
+    (returned > 0.0 && lost > MUCH).then(|| {
+        format!(
+            "{:.0} % of the light falls beyond the rim of the picture, and is not in the image; \
+            give the picture a wider dark margin (with a larger --width) to see it",
+            100.0 * lost
+        )
+    })
 }
 
 /// Returns the warning for an image that is brighter than its file can hold.

@@ -211,7 +211,7 @@ fn a_picture_under_a_very_wide_blur_gets_fewer_pixels() {
     };
     std::fs::write(
         here.join("coarse.exr"),
-        coarse.encode(Writing::Exr).unwrap(),
+        coarse.clone().encode(Writing::Exr).unwrap(),
     )
     .unwrap();
     let render = |source: &str, size: [&str; 2], to: &str| {
@@ -264,6 +264,16 @@ fn a_picture_under_a_very_wide_blur_gets_fewer_pixels() {
     for (own, by_hand) in own.iter().zip(&by_hand) {
         assert!((own - by_hand).abs() <= 1e-6 * brightest, "{own} {by_hand}");
     }
+    // This blur is wider than the picture: the light that is not in the image is said.
+    let light = |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>();
+    let energy = facts["energy"][0].as_f64().unwrap();
+    let lost = 1.0 - light(&own) / (energy * light(&coarse.planes[0]));
+    let said = format!("{:.0} % of the light falls beyond the rim", 100.0 * lost);
+    assert!(
+        lost > 0.05 && reduced.err.contains(&said),
+        "{said}: {}",
+        reduced.err
+    );
     let refused = render("fine.png", ["--pixel-pitch", "0.2"], "none.exr");
     assert_eq!(refused.code, Some(1));
     assert!(
