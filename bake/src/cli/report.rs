@@ -62,7 +62,7 @@ impl Trace<'_> {
     pub(crate) fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if self.table.retroreflected.iter().all(|&eta| eta == 0.0) {
-            warnings.push(match deviated(&self.table) {
+            warnings.push(match deviated(self.table) {
                 0.0 => "no light comes back in any direction: the fates say where it goes (give \
                     --element plate for a plate that light passes, --glass-index for bodies of \
                     glass)"

@@ -1,6 +1,7 @@
 //! `fit render`: makes the mid-air image of any picture.
 
 mod facts;
+mod remarks;
 mod seen;
 
 use std::num::NonZeroUsize;
@@ -16,7 +17,8 @@ use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
 use crate::cli::progress::Progress;
-use crate::cli::render::facts::{Contrast, Range, Report, Seconds};
+use crate::cli::render::facts::{Contrast, Report, Seconds, range};
+use crate::cli::render::remarks::{beyond_the_rim, clipped, of_image, of_reduced, spacious};
 use crate::cli::render::seen::{Seen, Way, from_afar, from_afar_reduced, from_camera};
 use crate::cli::sampled::Samples;
 use crate::estimate::Forward;
@@ -354,6 +356,40 @@ impl Arguments {
     }
 }
 
+/// Renders the image as a camera sees it, or from afar. Returns the picture that was rendered, if it
+/// is one with fewer pixels, and the side of its pixels, mm.
+fn looked(
+    arguments: &Arguments,
+    sheet: &Fitted<'_>,
+    source: &Picture,
+    view: Option<&CameraView>,
+    watch: Watch<'_>,
+) -> Result<(Seen, Option<Picture>, f64), render::Error> {
+    let way = Way {
+        forward: arguments.forward,
+        sampling: arguments.samples.sampling(),
+        watch,
+    };
+    if let Some(view) = view {
+        let seen = from_camera(source, sheet, view, arguments.tolerance, &way)?;
+        return Ok((seen, None, view.pitch_mm()));
+    }
+    let pitch = arguments.pitch_mm(source.width);
+    let scale = Scale {
+        pitch_mm: pitch.unwrap_or(sheet.result.camera.pixel_pitch_mm),
+        tangential_axis_deg: arguments.tangential_axis,
+        seen_in_mirror: arguments.seen_in_mirror,
+    };
+    let place = arguments.place(sheet);
+    match arguments.width {
+        Some(_) => from_afar_reduced(source, sheet, place, &scale, &way),
+        None => {
+            let seen = from_afar(source, sheet, place, &scale, &way)?;
+            Ok((seen, None, scale.pitch_mm))
+        }
+    }
+}
+
 /// Renders the mid-air image of a picture, and returns it with its facts.
 ///
 /// # Errors
@@ -368,49 +404,16 @@ pub(super) fn rendered(
     let (result, table) = (sheet.result, sheet.table);
     let view = arguments.view.as_deref().map(CameraView::load).transpose();
     let view = view.map_err(render::Error::from)?;
-    let pitch = arguments.pitch_mm(source.width);
-    let pitch = pitch.unwrap_or(result.camera.pixel_pitch_mm);
-    let pitch_mm = view.as_ref().map_or(pitch, CameraView::pitch_mm);
     let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
-    let way = Way {
-        forward: arguments.forward,
-        sampling: arguments.samples.sampling(),
-        watch,
-    };
-    let (seen, reduced, pitch_mm) = match &view {
-        Some(view) => {
-            let seen = from_camera(source, sheet, view, arguments.tolerance, &way)?;
-            (seen, None, pitch_mm)
-        }
-        None => {
-            let scale = Scale {
-                pitch_mm,
-                tangential_axis_deg: arguments.tangential_axis,
-                seen_in_mirror: arguments.seen_in_mirror,
-            };
-            let place = arguments.place(sheet);
-            match arguments.width {
-                Some(_) => from_afar_reduced(source, sheet, place, &scale, &way)?,
-                None => (
-                    from_afar(source, sheet, place, &scale, &way)?,
-                    None,
-                    pitch_mm,
-                ),
-            }
-        }
-    };
-    let mut warnings = warnings(source, &seen, table);
-    let source = match &reduced {
-        None => source,
-        Some(reduced) => {
-            warnings.push(format!(
-                "the blur reaches more pixels than can be computed: the picture was reduced from \
-                {} x {} to {} x {} pixels of {:.3} mm",
-                source.width, source.height, reduced.width, reduced.height, pitch_mm
-            ));
-            reduced
-        }
-    };
+    let looked = looked(arguments, sheet, source, view.as_ref(), watch)?;
+    let (seen, reduced, pitch_mm) = looked;
+    let mut warnings = of_image(source, &seen, table);
+    warnings.extend(
+        reduced
+            .as_ref()
+            .map(|own| of_reduced(source, own, pitch_mm)),
+    );
+    let source = reduced.as_ref().unwrap_or(source);
     warnings.extend(spacious(source.width as f64 * pitch_mm, arguments.distance));
     let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
     warnings.extend(remarks(result, table, &places)?);
@@ -456,48 +459,6 @@ pub(super) fn rendered(
     Ok((image, report))
 }
 
-/// Returns the warning for a picture so wide that one incidence does not stand for all of it.
-///
-/// Beyond three times its distance, rays to its rims leave the middle one by more than 56 degrees.
-fn spacious(width_mm: f64, distance_mm: Option<f64>) -> Option<String> {
-    let distance_mm = distance_mm.filter(|distance_mm| width_mm > 3.0 * distance_mm)?;
-    Some(format!(
-        "the picture is {width_mm:.0} mm wide, and floats only {distance_mm:.0} mm from its sheet: \
-        its rims are seen at other incidences; give --view, or exchange --width and --distance if \
-        they are mixed up"
-    ))
-}
-
-/// Share of the light beyond the rim of the picture from which on a warning says so.
-const MUCH: f64 = 0.05;
-
-/// Returns the warning for light that falls outside of the picture.
-///
-/// It is known where all pixels have one blur: what returns, and is not in the image.
-fn beyond_the_rim(source: &Picture, seen: &Seen) -> Option<String> {
-    let [spot] = &seen.spots[..] else { return None };
-    let returned = spot.energy.unwrap_or(1.0) * source.mean_luminance();
-    let lost = 1.0 - seen.image.mean_luminance() / returned;
-    (returned > 0.0 && lost > MUCH).then(|| {
-        format!(
-            "{:.0} % of the light falls beyond the rim of the picture, and is not in the image; \
-            give the picture a wider dark margin (with a larger --width) to see it",
-            100.0 * lost
-        )
-    })
-}
-
-/// Returns the warning for an image that is brighter than its file can hold.
-fn clipped(image: &Picture, writing: Writing) -> Option<String> {
-    let clipped = image.above_white();
-    (writing == Writing::Png && clipped > 0).then(|| {
-        format!(
-            "{clipped} values are above 1 and were clipped; write .exr, or give a smaller \
-            --exposure"
-        )
-    })
-}
-
 fn encoded(
     image: Picture,
     writing: Writing,
@@ -509,53 +470,4 @@ fn encoded(
             path: arguments.output.clone(),
             message,
         })
-}
-
-/// Returns the least and the greatest value over all items.
-fn range<T>(all: &[T], value: impl Fn(&T) -> f64) -> Range {
-    let values = all.iter().map(value);
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-        [low.min(v), high.max(v)]
-    })
-}
-
-fn warnings(source: &Picture, seen: &Seen, table: &Table) -> Vec<String> {
-    let mut warnings = source.warnings.clone();
-    let spots = &seen.spots;
-    let [low, high] = range(spots, |spot| spot.place.incidence_deg);
-    let at = if low == high {
-        format!("{low} deg")
-    } else {
-        format!("{low:.2} to {high:.2} deg")
-    };
-    if source.peak() <= 0.0 {
-        warnings.push("the source has no light: all of its pixels are black".into());
-    }
-    if spots.iter().any(|spot| spot.energy.is_none()) {
-        warnings.push(
-            "the result has no mu (no reference photograph, or --mu left out): the image has the \
-            brightness of the source"
-                .into(),
-        );
-    }
-    if spots.iter().all(|spot| spot.energy == Some(0.0)) {
-        warnings.push(format!(
-            "nothing is returned at incidence {at}: the image is black"
-        ));
-    }
-    let bounded = table.provenance.direction_tolerance.is_some();
-    if low == high && !bounded && spots.iter().any(|spot| spot.interpolated) {
-        warnings.push(format!(
-            "the blur at incidence {at} is interpolated between directions of the table, which \
-            costs accuracy; bake this direction"
-        ));
-    }
-    if seen.transfer_error > 1e-3 {
-        warnings.push(format!(
-            "the blur is much finer than a pixel: the contrast of single pixels errs by up to \
-            {:.1} %",
-            100.0 * seen.transfer_error
-        ));
-    }
-    warnings
 }

@@ -78,3 +78,11 @@ pub(super) struct Seconds {
     pub(super) render: f64,
     pub(super) write: f64,
 }
+
+/// Returns the least and the greatest value over all items.
+pub(super) fn range<T>(all: &[T], value: impl Fn(&T) -> f64) -> Range {
+    let values = all.iter().map(value);
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+        [low.min(v), high.max(v)]
+    })
+}

@@ -1,0 +1,100 @@
+//! Warnings about an image that was rendered.
+
+use tables::Table;
+
+use crate::cli::render::facts::range;
+use crate::cli::render::seen::Seen;
+use crate::photographs::photo::picture::{Picture, Writing};
+
+/// Returns the warnings about the source and its blur.
+pub(super) fn of_image(source: &Picture, seen: &Seen, table: &Table) -> Vec<String> {
+    let mut warnings = source.warnings.clone();
+    let spots = &seen.spots;
+    let [low, high] = range(spots, |spot| spot.place.incidence_deg);
+    let at = if low == high {
+        format!("{low} deg")
+    } else {
+        format!("{low:.2} to {high:.2} deg")
+    };
+    if source.peak() <= 0.0 {
+        warnings.push("the source has no light: all of its pixels are black".into());
+    }
+    if spots.iter().any(|spot| spot.energy.is_none()) {
+        warnings.push(
+            "the result has no mu (no reference photograph, or --mu left out): the image has the \
+            brightness of the source"
+                .into(),
+        );
+    }
+    if spots.iter().all(|spot| spot.energy == Some(0.0)) {
+        warnings.push(format!(
+            "nothing is returned at incidence {at}: the image is black"
+        ));
+    }
+    let bounded = table.provenance.direction_tolerance.is_some();
+    if low == high && !bounded && spots.iter().any(|spot| spot.interpolated) {
+        warnings.push(format!(
+            "the blur at incidence {at} is interpolated between directions of the table, which \
+            costs accuracy; bake this direction"
+        ));
+    }
+    if seen.transfer_error > 1e-3 {
+        warnings.push(format!(
+            "the blur is much finer than a pixel: the contrast of single pixels errs by up to \
+            {:.1} %",
+            100.0 * seen.transfer_error
+        ));
+    }
+    warnings
+}
+
+/// Returns the warning for a picture that got fewer pixels, of `pitch_mm`.
+pub(super) fn of_reduced(source: &Picture, reduced: &Picture, pitch_mm: f64) -> String {
+    format!(
+        "the blur reaches more pixels than can be computed: the picture was reduced from {} x {} \
+        to {} x {} pixels of {pitch_mm:.3} mm",
+        source.width, source.height, reduced.width, reduced.height
+    )
+}
+
+/// Returns the warning for a picture so wide that one incidence does not stand for all of it.
+///
+/// Beyond three times its distance, rays to its rims leave the middle one by more than 56 degrees.
+pub(super) fn spacious(width_mm: f64, distance_mm: Option<f64>) -> Option<String> {
+    let distance_mm = distance_mm.filter(|distance_mm| width_mm > 3.0 * distance_mm)?;
+    Some(format!(
+        "the picture is {width_mm:.0} mm wide, and floats only {distance_mm:.0} mm from its sheet: \
+        its rims are seen at other incidences; give --view, or exchange --width and --distance if \
+        they are mixed up"
+    ))
+}
+
+/// Share of the light beyond the rim of the picture from which on a warning says so.
+const MUCH: f64 = 0.05;
+
+/// Returns the warning for light that falls outside of the picture.
+///
+/// It is known where all pixels have one blur: what returns, and is not in the image.
+pub(super) fn beyond_the_rim(source: &Picture, seen: &Seen) -> Option<String> {
+    let [spot] = &seen.spots[..] else { return None };
+    let returned = spot.energy.unwrap_or(1.0) * source.mean_luminance();
+    let lost = 1.0 - seen.image.mean_luminance() / returned;
+    (returned > 0.0 && lost > MUCH).then(|| {
+        format!(
+            "{:.0} % of the light falls beyond the rim of the picture, and is not in the image; \
+            give the picture a wider dark margin (with a larger --width) to see it",
+            100.0 * lost
+        )
+    })
+}
+
+/// Returns the warning for an image that is brighter than its file can hold.
+pub(super) fn clipped(image: &Picture, writing: Writing) -> Option<String> {
+    let clipped = image.above_white();
+    (writing == Writing::Png && clipped > 0).then(|| {
+        format!(
+            "{clipped} values are above 1 and were clipped; write .exr, or give a smaller \
+            --exposure"
+        )
+    })
+}
