@@ -13,6 +13,7 @@ use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
 use crate::cli::progress::Progress;
+use crate::cli::render::spacious;
 use crate::explore::{self, Explorer, Source, Span, Start};
 use crate::photographs::photo;
 use crate::photographs::photo::picture::Picture;
@@ -94,7 +95,13 @@ pub(crate) struct Arguments {
     )]
     pub distance: Option<f64>,
     /// Incidence that the page shows first, degrees.
-    #[arg(long, value_name = "DEG", value_parser = parse::incidence, help_heading = "Page")]
+    #[arg(
+        long,
+        value_name = "DEG",
+        value_parser = parse::incidence,
+        allow_negative_numbers = true,
+        help_heading = "Page"
+    )]
     pub incidence: Option<f64>,
     /// Azimuth that the page shows first, degrees.
     #[arg(
@@ -183,6 +190,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = arguments.table.iter();
     let inputs = inputs.chain(&arguments.result).chain(&arguments.source);
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
+    arguments.ending()?;
     let output = outputs.reserve(&arguments.output)?;
     let table = (arguments.by_hand).table("fit explore", arguments.table.as_deref())?;
     let (result, title) = match &arguments.result {
@@ -249,6 +257,8 @@ pub(super) fn made(
     if let Some((_, picture)) = source {
         warnings.extend(picture.warnings.iter().cloned());
     }
+    let shown = arguments.width.zip(arguments.distance);
+    warnings.extend(shown.and_then(|(width, distance)| spacious(width, distance)));
     let explorer = Explorer {
         sheet,
         span,
@@ -284,6 +294,25 @@ pub(super) fn made(
 const WIDTHS: [f64; 2] = [10.0, 3000.0];
 
 impl Arguments {
+    /// Checks that the page would not get the name of a picture.
+    ///
+    /// # Errors
+    /// Returns [`Failure::Usage`] if it would.
+    fn ending(&self) -> Result<(), Failure> {
+        let ending = self.output.extension().and_then(|ending| ending.to_str());
+        match ending.map(str::to_ascii_lowercase).as_deref() {
+            Some("png" | "jpg" | "jpeg" | "svg" | "exr" | "pdf") => Err(Failure::conflict(
+                "fit explore",
+                format!(
+                    "{}: the page is written as .html; give this ending (fit render writes \
+                    pictures)",
+                    self.output.display()
+                ),
+            )),
+            _ => Ok(()),
+        }
+    }
+
     /// Returns the settings that the page shows first.
     ///
     /// # Errors

@@ -76,7 +76,12 @@ pub(crate) struct Arguments {
     )]
     pub distance: std::vec::Vec<f64>,
     /// Incidence angles in the air, degrees.
-    #[arg(long, value_name = "LIST", value_parser = parse::incidences)]
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_parser = parse::incidences,
+        allow_negative_numbers = true
+    )]
     pub incidence: std::vec::Vec<f64>,
     /// Azimuths of the light, degrees; that of the table if it holds one, 0 for a --sheet.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = terminal::list)]

@@ -18,7 +18,8 @@ use crate::cli::output;
 use crate::cli::parse;
 use crate::cli::progress::Progress;
 use crate::cli::render::facts::{Contrast, Report, Seconds, range};
-use crate::cli::render::remarks::{beyond_the_rim, clipped, of_image, of_reduced, spacious};
+pub(crate) use crate::cli::render::remarks::spacious;
+use crate::cli::render::remarks::{beyond_the_rim, clipped, of_image, of_reduced};
 use crate::cli::render::seen::{Seen, Way, from_afar, from_afar_reduced, from_camera};
 use crate::cli::sampled::Samples;
 use crate::estimate::Forward;
@@ -116,6 +117,7 @@ pub(crate) struct Arguments {
         visible_alias = "floating-distance",
         value_name = "MM",
         value_parser = parse::positive,
+        allow_negative_numbers = true,
         required_unless_present = "view",
         help_heading = "Place"
     )]
@@ -125,6 +127,7 @@ pub(crate) struct Arguments {
         long,
         value_name = "DEG",
         value_parser = parse::incidence,
+        allow_negative_numbers = true,
         required_unless_present = "view",
         help_heading = "Place"
     )]
@@ -356,8 +359,10 @@ impl Arguments {
     }
 }
 
-/// Renders the image as a camera sees it, or from afar. Returns the picture that was rendered, if it
-/// is one with fewer pixels, and the side of its pixels, mm.
+/// Renders the image as a camera sees it, or from afar.
+///
+/// Returns the picture that was rendered too, if it is one with fewer pixels, and the side of its
+/// pixels, mm.
 fn looked(
     arguments: &Arguments,
     sheet: &Fitted<'_>,
@@ -414,7 +419,8 @@ pub(super) fn rendered(
             .map(|own| of_reduced(source, own, pitch_mm)),
     );
     let source = reduced.as_ref().unwrap_or(source);
-    warnings.extend(spacious(source.width as f64 * pitch_mm, arguments.distance));
+    let width_mm = source.width as f64 * pitch_mm;
+    warnings.extend((arguments.distance).and_then(|distance| spacious(width_mm, distance)));
     let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
     warnings.extend(remarks(result, table, &places)?);
     warnings.extend(beyond_the_rim(source, &seen));

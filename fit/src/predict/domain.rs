@@ -6,7 +6,7 @@ use crate::names::Kernel;
 use crate::predict::curve::Line;
 use crate::predict::error::Error;
 use crate::predict::sheet::Fitted;
-use crate::result::{Domain, ResultFile};
+use crate::result::{Domain, Parameter, ResultFile};
 
 /// Returns a remark about a lobe that is taken to another distance than those of the photographs.
 fn one_lobe([near, far]: [f64; 2]) -> String {
@@ -122,6 +122,7 @@ pub(crate) fn remarks(
             table for them"
         ));
     }
+    remarks.extend(beyond_numbers(result, places));
     let nearest = places.iter().map(|place| place.r_mm);
     remarks.extend(near(nearest.fold(f64::INFINITY, f64::min)));
     match &result.domain {
@@ -145,6 +146,28 @@ pub(crate) fn remarks(
         remarks.extend(unstated(&Fitted::new(result, table)?, place)?);
     }
     Ok(remarks)
+}
+
+/// Returns a remark if numbers that no photograph gave are taken beyond their incidences.
+fn beyond_numbers(result: &ResultFile, places: &[Viewpoint]) -> Option<String> {
+    let Some(Parameter::PerAngle { per_angle }) = result.spread() else {
+        return None;
+    };
+    let known = || per_angle.iter().map(|own| own.incidence_deg);
+    let range = [
+        known().fold(f64::INFINITY, f64::min),
+        known().fold(f64::NEG_INFINITY, f64::max),
+    ];
+    let all = places.iter().map(|place| place.incidence_deg);
+    let outside: Vec<f64> = all.filter(|&own| !holds(range, own)).collect();
+    (result.is_by_hand() && !outside.is_empty()).then(|| {
+        format!(
+            "incidence {} deg lies outside of those of the sheet's numbers ({} deg): the nearest \
+            of them are taken",
+            words(outside),
+            words(range.to_vec())
+        )
+    })
 }
 
 /// Returns a remark for each quantity in which places lie outside of the photographs.

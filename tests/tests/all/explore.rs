@@ -309,6 +309,15 @@ fn wrong_requests_are_refused_and_leave_no_page() {
         assert!(run.err.contains(part), "{options:?}: {}", run.err);
         assert!(!here.join("e.html").exists());
     }
+    let picture = [&["explore"], &sheet[..6], &["-o", "e.png"]].concat();
+    let run = fit(here, &picture);
+    assert_eq!(run.code, Some(2));
+    assert!(run.err.contains("is written as .html"), "{}", run.err);
+    assert!(!here.join("e.png").exists());
+    let wide = ["--width", "1500", "--distance", "500"];
+    let run = fit(here, &[&["explore"], &wide[..], &sheet].concat());
+    assert!(run.err.contains("exchange --width"), "{}", run.err);
+    std::fs::remove_file(here.join("e.html")).unwrap();
     // Errors of 1 mrad put light far off at 1 km: that fits into no page.
     let design = [
         "design",

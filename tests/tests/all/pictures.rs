@@ -95,8 +95,24 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
         "{luminance}"
     );
 
+    let sources = sources(here);
+    let unsaid = [
+        "render",
+        "--source",
+        "colour.png",
+        "--params",
+        "sheet.json",
+        "-o",
+        "a.exr",
+    ];
+    let unsaid = fit(here, &[&unsaid[..], &place].concat());
+    assert!(
+        unsaid.err.contains("give --transfer srgb"),
+        "{}",
+        unsaid.err
+    );
     let mut cases = 0;
-    for source in sources(here) {
+    for source in sources {
         let render = |to: &str, options: &[&str]| {
             let files = [
                 "render",
@@ -108,7 +124,12 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
                 to,
                 "--json",
             ];
-            let report = fit(here, &[&files[..], &place, options].concat()).done();
+            // A colour file of 16 bits that does not say what they mean is warned of.
+            let meaning: &[&str] = match source {
+                "colour.png" => &["--transfer", "linear"],
+                _ => &[],
+            };
+            let report = fit(here, &[&files[..], &place, options, meaning].concat()).done();
             let image = load_colour(&here.join(to), None).unwrap();
             (serde_json::from_str::<Value>(&report).unwrap(), image)
         };

@@ -51,22 +51,23 @@ pub(super) fn of_image(source: &Picture, seen: &Seen, table: &Table) -> Vec<Stri
 /// Returns the warning for a picture that got fewer pixels, of `pitch_mm`.
 pub(super) fn of_reduced(source: &Picture, reduced: &Picture, pitch_mm: f64) -> String {
     format!(
-        "the blur reaches more pixels than can be computed: the picture was reduced from {} x {} \
-        to {} x {} pixels of {pitch_mm:.3} mm",
+        "the picture was reduced from {} x {} to {} x {} pixels of {pitch_mm:.3} mm, because its \
+        blur is very wide: nothing that it leaves to see is lost",
         source.width, source.height, reduced.width, reduced.height
     )
 }
 
 /// Returns the warning for a picture so wide that one incidence does not stand for all of it.
 ///
-/// Beyond three times its distance, rays to its rims leave the middle one by more than 56 degrees.
-pub(super) fn spacious(width_mm: f64, distance_mm: Option<f64>) -> Option<String> {
-    let distance_mm = distance_mm.filter(|distance_mm| width_mm > 3.0 * distance_mm)?;
-    Some(format!(
-        "the picture is {width_mm:.0} mm wide, and floats only {distance_mm:.0} mm from its sheet: \
-        its rims are seen at other incidences; give --view, or exchange --width and --distance if \
-        they are mixed up"
-    ))
+/// From twice its distance on, rays to its rims leave the middle one by 45 degrees and more.
+pub(crate) fn spacious(width_mm: f64, distance_mm: f64) -> Option<String> {
+    (width_mm >= 2.0 * distance_mm).then(|| {
+        format!(
+            "the picture is {width_mm:.0} mm wide, and floats {distance_mm:.0} mm from its sheet: \
+            its rims are seen at other incidences than its middle; exchange --width and \
+            --distance if they are mixed up"
+        )
+    })
 }
 
 /// Share of the light beyond the rim of the picture from which on a warning says so.

@@ -85,6 +85,10 @@ pub(super) fn from_afar(
     })
 }
 
+/// Fewest pixels along the longer side that are a picture: under a blur too wide for these, nothing
+/// is left to see.
+const FEWEST: usize = 32;
+
 /// Renders the image as [`from_afar`] does, of a picture with fewer pixels if the blur is too wide
 /// for those that it has.
 ///
@@ -96,6 +100,7 @@ pub(super) fn from_afar_reduced(
     scale: &Scale,
     way: &Way<'_>,
 ) -> Result<(Seen, Option<Picture>, f64), render::Error> {
+    let longer = source.width.max(source.height);
     let mut factor = 1;
     loop {
         let reduced = (factor > 1).then(|| source.reduced(factor));
@@ -103,20 +108,14 @@ pub(super) fn from_afar_reduced(
             pitch_mm: scale.pitch_mm * factor as f64,
             ..*scale
         };
-        match from_afar(
-            reduced.as_ref().unwrap_or(source),
-            sheet,
-            place,
-            &scale,
-            way,
-        ) {
-            // Without end if the blur is wider than any number of pixels.
-            Err(render::Error::Blur(Fault::Wide { size, .. }))
-                if factor < source.width.max(source.height) =>
-            {
-                factor = (factor + 1).max(factor.saturating_mul(size) / LARGEST);
-            }
-            seen => return Ok((seen?, reduced, scale.pitch_mm)),
+        let picture = reduced.as_ref().unwrap_or(source);
+        let seen = from_afar(picture, sheet, place, &scale, way);
+        let Err(render::Error::Blur(Fault::Wide { size, .. })) = seen else {
+            return Ok((seen?, reduced, scale.pitch_mm));
+        };
+        factor = (factor + 1).max(factor.saturating_mul(size) / LARGEST);
+        if factor.saturating_mul(FEWEST) > longer {
+            return Ok((seen?, None, scale.pitch_mm));
         }
     }
 }

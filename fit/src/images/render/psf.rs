@@ -61,8 +61,8 @@ pub(crate) enum Fault {
     /// Blur that reaches too many pixels.
     #[error(
         "the blur at incidence {incidence_deg} deg, distance {r_mm} mm is {size} pixels wide, and \
-        at most {LARGEST} are computed; give the size of the picture as --width, so that it gets \
-        fewer pixels (which loses nothing under such a blur), or a larger one"
+        at most {LARGEST} are computed; give the size of the picture as --width, mm, so that it \
+        gets fewer pixels (which loses nothing under such a blur), or a larger one"
     )]
     Wide {
         /// Incidence, degrees.

@@ -82,6 +82,13 @@ pub(crate) fn read_colour(
     if colour.has_alpha() && darkened(&mut planes, &picture) {
         warnings.push("transparent parts give no light: they count as black".into());
     }
+    if colour.has_color() && curves.from == DEFAULT_OF_16_BITS {
+        warnings.push(
+            "the file does not say what its 16 bits mean: they were taken as linear light; if the \
+            colours are pale, give --transfer srgb"
+                .into(),
+        );
+    }
     Ok(Picture {
         width,
         height,
@@ -236,11 +243,14 @@ fn sized(
     Ok(reader)
 }
 
+/// Origin of the curve of 16 bits that the file says nothing of.
+const DEFAULT_OF_16_BITS: &str = "default of 16 bits";
+
 /// Returns the curve of a format whose file says nothing of it.
 fn of_format(bits: u16) -> Curves {
     match bits {
         8 => Curves::one(Curve::Named(Transfer::Srgb), "default of 8 bits"),
-        16 => Curves::one(Curve::Named(Transfer::Linear), "default of 16 bits"),
+        16 => Curves::one(Curve::Named(Transfer::Linear), DEFAULT_OF_16_BITS),
         _ => Curves::one(Curve::Named(Transfer::Linear), "default of floats"),
     }
 }
