@@ -127,8 +127,14 @@ impl Trace<'_> {
 fn deviated(table: &Table) -> f64 {
     let [incidences, azimuths] = [table.axes.incidence_deg.len(), table.axes.azimuth_deg.len()];
     let all = (0..incidences).flat_map(|i| (0..azimuths).map(move |a| (i, a)));
-    all.map(|(i, a)| table.fate[[i, a, Fate::Deviated as usize]])
-        .fold(0.0, f64::max)
+    let other = [Fate::AntiparallelOther, Fate::Deviated];
+    all.map(|(i, a)| {
+        other
+            .map(|fate| table.fate[[i, a, fate as usize]])
+            .iter()
+            .sum()
+    })
+    .fold(0.0, f64::max)
 }
 
 /// Returns one line for each direction: angles, eta, its error, and the other fates that occur.

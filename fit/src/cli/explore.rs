@@ -326,6 +326,14 @@ impl Arguments {
             );
             return Err(Failure::conflict("fit explore", message));
         }
+        let known = |azimuth: f64| table.direction(least, Some(azimuth)).is_ok();
+        if let Some(asked) = self.azimuth.filter(|&asked| !known(asked)) {
+            let message = format!(
+                "the table does not hold azimuth {asked} degrees, nor those around it; leave \
+                --azimuth out, or bake this azimuth"
+            );
+            return Err(Failure::conflict("fit explore", message));
+        }
         if let Some(asked) = (self.width).filter(|asked| !(WIDTHS[0]..=WIDTHS[1]).contains(asked)) {
             let [least, most] = WIDTHS;
             let message = format!(

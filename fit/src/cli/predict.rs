@@ -285,6 +285,13 @@ pub(super) fn predicted(
         warnings.push("the table is a mean over azimuths: --azimuth has no effect".into());
     }
     warnings.extend(interpolated(&predictions, table));
+    if predictions.iter().all(|own| own.retroreflected == 0.0) {
+        warnings.push(
+            "nothing is returned at any of these places: the table's cell sends no light straight \
+            back there"
+                .into(),
+        );
+    }
     Ok(Predicted {
         frequency_per_mm: places.frequency_per_mm,
         predictions,

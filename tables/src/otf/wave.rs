@@ -49,7 +49,8 @@ pub enum NoWaves {
     /// Interpolated paths with losses.
     #[error(
         "the wave kernel cannot interpolate a table that has losses, and this table does not hold \
-        incidence {incidence_deg} deg at this azimuth; bake this direction"
+        incidence {incidence_deg} deg at this azimuth; bake this direction (a page of fit explore \
+        has all directions: it needs a table without losses, or --a-times-r)"
     )]
     LossesBetween {
         /// Incidence, degrees.
@@ -59,8 +60,9 @@ pub enum NoWaves {
     #[error(
         "the wave kernel needs corner cubes with exact right angles, but those of the table \
         deviate the light at incidence {incidence_deg} deg; bake them without dihedral errors, or \
-        take the kernel angular, for a sheet given by hand with --a-times-r (about 2.8 c / \
-        wavelength: 764 for 0.15 mm and 550 nm) in place of the wavelength"
+        take the kernel angular, for a sheet given by hand with --a-times-r in place of the \
+        wavelength (about 2.8 c / wavelength for triangular cubes: 764 for 0.15 mm and 550 nm; \
+        compare it with an ideal cell by the same kernel, not by wave)"
     )]
     NoPointReflection {
         /// Incidence, degrees.
