@@ -222,15 +222,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(terminal::print(&match arguments.json {
         true => output::json(facts),
         false => format!(
-            "{}: {:.1} MB, {} directions; a pixel errs by at most {:.2} % of the brightest \
+            "{}: {:.1} MB, {} directions; a pixel errs by at most {} % of the brightest \
             (at {} places)\n",
             arguments.output.display(),
             facts.megabytes,
             facts.directions,
-            100.0 * facts.mixing_error,
+            percent(facts.mixing_error),
             facts.places
         ),
     })?)
+}
+
+/// Returns a share in percent, with two digits.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent {
+        0.005.. => format!("{percent:.2}"),
+        _ => format!("{percent:.0e}"),
+    }
 }
 
 /// Page, and the facts about it.
@@ -268,9 +277,9 @@ pub(super) fn made(
     };
     let pool = terminal::pool(arguments.threads)?;
     let page = pool.install(|| explore::page(&explorer, step))?;
-    if page.misfit.pixel > 3.0 * explore::WANTED {
+    if page.misfit.pixel > explore::WANTED {
         warnings.push(format!(
-            "a pixel of the page can err by {:.0} % of the brightest, because no finer grid fits \
+            "a pixel of the page can err by {:.1} % of the brightest, because no finer grid fits \
             into a page; give a shorter range by --nearest and --farthest",
             100.0 * page.misfit.pixel
         ));

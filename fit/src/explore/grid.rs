@@ -21,7 +21,6 @@ use crate::explore::span::{Fineness, Span, known};
 use crate::explore::stencil::{Ends, Nodes};
 use crate::explore::unit::{UnitSheet, shifts, tilt};
 use crate::images::{Sheet, Viewpoint};
-use crate::names::Kernel;
 use crate::predict::{Error as PredictError, Fitted};
 
 /// Reason why no page can be made.
@@ -114,7 +113,7 @@ impl Grid {
         let incidence = Nodes::between([low, high], steps as usize, Ends::Open);
         let azimuth = azimuths(table, fineness.azimuth_deg);
         let bend = bend(sheet, scaling);
-        if result.kernel == Kernel::Shift
+        if fineness.paths
             && let Some(gaps) = Gaps::new(table, &azimuth)
         {
             return Ok(Grid::of_paths(table, [incidence, azimuth], gaps));

@@ -275,7 +275,7 @@ impl MixedSpot {
         let sum: Complex64 = all
             .map(|own| own.light * transform(&own.corners, per_edge))
             .sum();
-        sum / self.light.max(FAINT)
+        sum / self.light.max(FAINT) * self.lobe(frequency)
     }
 }
 

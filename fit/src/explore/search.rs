@@ -61,6 +61,46 @@ pub(crate) fn grid(
         result: &sharpest,
         table: sheet.table,
     };
+    let found = finest([sheet, &sharpest], span, step)?;
+    let paths = Fineness {
+        paths: true,
+        ..Fineness::first(sheet)
+    };
+    if found.misfit.larger() <= WANTED || found.grid.gaps.is_some() || !shifts_rays(sheet) {
+        return Ok(found);
+    }
+    // A lobe that is nearly none leaves the rim of the shift sharp, as kernel `shift` does.
+    let grid = Grid::new(sheet, span, &paths)?;
+    if grid.gaps.is_none() {
+        return Ok(found);
+    }
+    let places = spread(sheet, &grid, span);
+    let error = |sheet: &Fitted<'_>| {
+        let mixed = Mixed {
+            sheet: *sheet,
+            grid: &grid,
+        };
+        misfit(&mixed, &places)
+    };
+    let misfit = error(sheet)?.or(error(&sharpest)?);
+    let (better, places) = (misfit.larger() < found.misfit.larger(), 2 * places.len());
+    Ok(match better {
+        true => Found {
+            grid,
+            misfit,
+            places,
+        },
+        false => found,
+    })
+}
+
+/// Computes the coarsest grid of transforms whose error is small enough, or else the finest that
+/// fits into a page, for a sheet and for the sharpest one that the page spans.
+fn finest(
+    [sheet, sharpest]: [&Fitted<'_>; 2],
+    span: &Span,
+    step: &(dyn Fn(usize) + Sync),
+) -> Result<Found, Error> {
     let mut fineness = Fineness::first(sheet);
     if sheet.result.kernel == Kernel::Shift {
         fineness.own = own_axes(sheet.table);
@@ -96,7 +136,7 @@ pub(crate) fn grid(
             misfit(&mixed, places)
         };
         let spread = spread(sheet, &grid, span);
-        let found = error(sheet, &spread)?.or(error(&sharpest, &spread)?);
+        let found = error(sheet, &spread)?.or(error(sharpest, &spread)?);
         step(tried);
         // Paths have no grid that could be finer.
         let last = tried >= MOST_GRIDS || grid.gaps.is_some();
@@ -105,7 +145,7 @@ pub(crate) fn grid(
             true => None,
             false => {
                 let one = |sheet, axis| error(sheet, &along(sheet, &grid, span, axis));
-                let along = |axis| Ok(one(sheet, axis)?.or(one(&sharpest, axis)?).larger());
+                let along = |axis| Ok(one(sheet, axis)?.or(one(sharpest, axis)?).larger());
                 let errors = AXES
                     .map(along)
                     .into_iter()
@@ -127,6 +167,14 @@ pub(crate) fn grid(
         coarser = Some(finer(fineness, AXES[worst], LITTLE_FINER));
         fineness = finer(fineness, AXES[worst], FINER);
     }
+}
+
+/// Returns whether the blur is the shift of rays, with or without a lobe.
+fn shifts_rays(sheet: &Fitted<'_>) -> bool {
+    matches!(
+        sheet.result.kernel,
+        Kernel::Eq1 | Kernel::Angular | Kernel::Shift
+    )
 }
 
 /// Returns the error that the search makes small: that of a pixel and that of a weight.

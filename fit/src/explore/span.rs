@@ -28,6 +28,8 @@ pub(crate) struct Fineness {
     pub lost: f64,
     /// Most nodes that a place mixes along one axis.
     pub points: usize,
+    /// True if the page holds the paths of an exact table in place of a grid, where they fit.
+    pub paths: bool,
     /// Nodes that are the directions of the table, in place of those at the widest steps.
     pub own: Option<[Nodes; 2]>,
     /// Points of a lattice for the bends of the transform of waves.
@@ -43,6 +45,7 @@ impl Fineness {
             azimuth_deg: if waves { 6.0 } else { 10.0 },
             state: 0.3,
             lost: if waves { 0.01 } else { 0.02 },
+            paths: sheet.result.kernel == Kernel::Shift,
             own: None,
             // The rim of a shift without a lobe is sharp, and its transform moves far from node to
             // node. Six nodes follow it better. Smoother kernels gain nothing from them.

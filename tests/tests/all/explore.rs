@@ -141,6 +141,12 @@ fn a_browser_shows_what_fit_render_computes() {
             tails: 0.0,
         },
         Sheet {
+            name: "sharp eq1",
+            table: &whole,
+            options: words("--c 0.2 --a 300 --mu 0.5"),
+            tails: 0.0,
+        },
+        Sheet {
             name: "angular",
             table: &whole,
             options: words("--c 0.2 --a-times-r 700 --mu 0.5"),
@@ -236,7 +242,7 @@ fn a_browser_shows_what_fit_render_computes() {
             }
         }
     }
-    assert_eq!(compared, 7 * 3 * 3);
+    assert_eq!(compared, 8 * 3 * 3);
 }
 
 /// A fitted sheet has intervals, marks what was photographed, and says what was not. The page fits

@@ -10,7 +10,7 @@ const QUICK = { widest: 67, evaluations: 40000 };
 // reach.
 function weights(place, pitch, limits = FINE) {
   if (!place.returns) return { reach: 0, values: Float32Array.of(0) };
-  if (place.polygons) {
+  if (place.polygons && data.lobe === null) {
     // Columns run along the plane of incidence, rows against the sagittal axis.
     const down = data.seen_in_mirror ? pitch : -pitch;
     const pixels = ({ corners, light }) => ({

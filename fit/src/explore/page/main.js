@@ -216,7 +216,7 @@ function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
         : `Photographs from ${shown(near)} to ${shown(far)} mm chose eq1; beyond them nothing ` +
           "was measured."));
   }
-  if (data.misfit[0] > data.goal * 3) {
+  if (data.misfit[0] > data.goal) {
     const share = shown(100 * data.misfit[0]);
     remarks.push(`A pixel of this page can err by ${share} % of the brightest.`);
   }

@@ -189,12 +189,13 @@ class Place {
     const all = this.polygons.flatMap((polygon) => polygon.corners);
     this.light = this.polygons.reduce((sum, polygon) => sum + polygon.light, 0);
     this.returns = this.light > FAINT;
-    this.reach = all.reduce((most, corner) => Math.max(most, Math.hypot(...corner)), 0);
-    this.core = this.reach;
+    this.lobe = lobe(this.settings);
+    const shift = all.reduce((most, corner) => Math.max(most, Math.hypot(...corner)), 0);
+    this.core = shift + this.lobe.core;
+    this.reach = shift + this.lobe.reach;
     // The transform of a polygon falls by the square of the frequency.
     this.end = 16 / this.settings.c;
     this.tilt = 1;
-    this.lobe = lobe(this.settings);
   }
 
   // Luminance of the mid-air image divided by that of the source; null without mu.
@@ -211,8 +212,10 @@ class Place {
     }
     if (this.polygons) {
       out[0] = out[1] = 0;
+      const factor = this.lobe.at(x, y);
+      if (factor === 0) return;
       for (const { corners, light } of this.polygons) {
-        addTransform(corners, light / this.light, x, y, out);
+        addTransform(corners, (factor * light) / this.light, x, y, out);
       }
       return;
     }
