@@ -75,8 +75,8 @@ fn unused_distances(scene: &Scene, kernel: Kernel) -> Option<String> {
     (!used && farthest >= FAR_APART * nearest).then(|| {
         format!(
             "the floating distances go from {nearest} to {farthest} mm, and the blur of kernel {} \
-            does not depend on them: a slip in floating_distance_mm goes unnoticed, and what lies \
-            outside of the photographs is told by them; check that each is in mm",
+            does not depend on them: a slip in floating_distance_mm goes unnoticed; check that each \
+            is in mm",
             kernel.name()
         )
     })

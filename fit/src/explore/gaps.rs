@@ -225,38 +225,20 @@ impl Course {
             corners = polygon::clip(&corners, |p| x * p[0] + y * p[1] - offset, on);
         }
         let [uu, uv, vu, vv, x, y, weight] = self.map.each_ref().map(value);
-        let area = area(&corners);
+        let area = polygon::area(&corners);
         let light = weight.clamp(0.0, 1.0) * present.max(0.0) * area;
         if area <= NO_AREA || light <= 0.0 {
             return None;
         }
         let (sin, cos) = at.azimuth_rad.sin_cos();
         let turned = |[x, y]: [f64; 2]| [cos * x + sin * y, cos * y - sin * x];
-        let astray = deviation(turned([x, y]), at.tau, at.index);
+        let astray = Family::deviation(turned([x, y]), at.tau, at.index);
         let shift = |&[x, y]: &[f64; 2]| {
             let own = turned([uu * x + uv * y, vu * x + vv * y]);
             [0, 1].map(|k| own[k] + at.per_tangent[k] * astray[k])
         };
         Some((corners.iter().map(shift).collect(), light))
     }
-}
-
-/// Returns tangents of the angle between returned light and straight back, in the incidence frame.
-///
-/// `astray` is the part along the sheet of (M + 1) (tau, -1), where M is the linear map of the path
-/// inside. Snell's law keeps the part along the sheet times the index.
-fn deviation(astray: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
-    if astray == [0.0; 2] {
-        return astray;
-    }
-    let square = tau[0] * tau[0] + tau[1] * tau[1];
-    let steep = (1.0 + square).sqrt();
-    let along = -index * square.sqrt() / steep;
-    let up = (1.0 - along * along).max(0.0).sqrt();
-    let [x, y] = [along + index * astray[0] / steep, index * astray[1] / steep];
-    let z = (1.0 - x * x - y * y).max(0.0).sqrt();
-    let straight = x * along + z * up;
-    [(x * up - z * along) / straight, y / straight]
 }
 
 /// Corners of a gap as (greater incidence, greater azimuth).
@@ -369,16 +351,6 @@ fn fit(places: &[[f64; 2]; PLACES]) -> [[f64; PLACES]; 3] {
 /// Returns whether two directions are the same but for rounding.
 fn near(a: [f64; 2], b: [f64; 2]) -> bool {
     (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9
-}
-
-/// Returns the area of a polygon, positive if its corners run counter-clockwise.
-pub(crate) fn area(corners: &[[f64; 2]]) -> f64 {
-    let Some(&[x, y]) = corners.first() else {
-        return 0.0;
-    };
-    let pairs = corners.windows(2);
-    let twice = pairs.map(|p| (p[0][0] - x) * (p[1][1] - y) - (p[1][0] - x) * (p[0][1] - y));
-    0.5 * twice.sum::<f64>()
 }
 
 /// Returns the azimuths of a table around the sector of the page: from the last one at or before

@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use rustfft::FftPlanner;
+use tables::polygon;
 
-use crate::explore::gaps::{Patch, area};
+use crate::explore::gaps::Patch;
 use crate::explore::grid::{Error, Grid, UNIT};
 use crate::explore::lattice::{Lattice, kinked};
 use crate::explore::scaling::Scaling;
@@ -198,7 +199,7 @@ fn gathered(patches: &[Patch]) -> (Shift, f64, f64) {
 /// By Gauss's theorem it is a sum over the edges.
 fn transform(corners: &[[f64; 2]], f: [f64; 2]) -> Complex64 {
     let squared = f[0] * f[0] + f[1] * f[1];
-    let area = area(corners);
+    let area = polygon::area(corners);
     let ends = corners.iter().zip(corners.iter().cycle().skip(1));
     // Rounding is 1e-16 / (f size)^2; the first two terms of the series err by less than that.
     let size = corners

@@ -179,7 +179,7 @@ fn astray(deviation: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
 }
 
 /// Converts numbers that are affine in tau to a deviation; the inverse of [`astray`].
-fn deviation(astray: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
+pub(crate) fn deviation(astray: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
     if astray == [0.0; 2] {
         return astray;
     }

@@ -41,6 +41,13 @@ impl Family {
         let lines = self.lines.iter().map(|course| mean(course, tau));
         (lines.collect(), mean(&self.members, tau))
     }
+
+    /// Converts tangents astray, in the incidence frame, to a deviation as [`crate::Path`] has it.
+    ///
+    /// `index` is the refractive index of the sheet.
+    pub fn deviation(astray: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
+        between::deviation(astray, tau, index)
+    }
 }
 
 /// Returns the mean at `tau` of the values of some directions.

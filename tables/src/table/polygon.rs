@@ -7,7 +7,7 @@
 /// Returns the signed area of a polygon, positive when it is counter-clockwise.
 ///
 /// It is computed relative to the first corner, so a polygon far from the origin loses no digits.
-pub(crate) fn area(corners: &[[f64; 2]]) -> f64 {
+pub fn area(corners: &[[f64; 2]]) -> f64 {
     0.5 * fan(corners).map(|(_, _, twice)| twice).sum::<f64>()
 }
 
