@@ -1,13 +1,18 @@
 //! Reports of a bake and of a comparison, as text for a person and as JSON for a script.
 
-use crate::run::Comparison;
+use crate::run::{Between, Comparison};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
+use tables::options::{Element, Front};
 use tables::{Fate, Table};
 
 /// Share of a direction's light in the outermost bins of deviations above which a warning is given.
 const OUTERMOST: f64 = 1e-4;
+
+/// Share of a direction's light that three or more facets send back too far from straight back,
+/// from which on a warning is given. No ideal cube has any.
+const DEVIATED: f64 = 0.01;
 
 /// Bins of deviations, in the rms spread of the light, below which a warning calls them coarse.
 const FEW_BINS: f64 = 2.0;
@@ -25,6 +30,8 @@ pub(crate) struct Trace<'a> {
     pub seconds: f64,
     /// True if the tolerance between directions is proved, false if it was tried.
     pub proved: bool,
+    /// Error between directions where no tolerance was asked for.
+    pub between: Option<Between>,
 }
 
 impl Trace<'_> {
@@ -54,6 +61,14 @@ impl Trace<'_> {
             let how = if self.proved { "proved" } else { "tried" };
             let _ = writeln!(text, "between directions: within {tolerance}, {how}");
         }
+        if let Some(own) = self.between {
+            let _ = writeln!(
+                text,
+                "between directions: off by up to {:.2e} (total variation; {} tried), most at \
+                incidence {} deg, azimuth {} deg; --direction-tolerance bounds it",
+                own.error, own.tried, own.incidence_deg, own.azimuth_deg
+            );
+        }
         text.push_str(&directions_text(table));
         text
     }
@@ -62,7 +77,8 @@ impl Trace<'_> {
     pub(crate) fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if self.table.retroreflected.iter().all(|&eta| eta == 0.0) {
-            warnings.push(match deviated(self.table) {
+            let other = [Fate::AntiparallelOther, Fate::Deviated];
+            warnings.push(match self.most(&other) {
                 0.0 => "no light comes back in any direction: the fates say where it goes (give \
                     --element plate for a plate that light passes, --glass-index for bodies of \
                     glass)"
@@ -75,6 +91,8 @@ impl Trace<'_> {
                     self.table.provenance.angular_tolerance_deg
                 ),
             });
+        } else {
+            warnings.extend(self.deviated());
         }
         let Some(found) = &self.table.deviations else {
             return warnings;
@@ -104,6 +122,36 @@ impl Trace<'_> {
         warnings
     }
 
+    /// Returns a warning about light of three or more facets that is too far from straight back.
+    /// Light in a plate, through glass, or that a front face has sent back takes any direction, and
+    /// is none of it.
+    fn deviated(&self) -> Option<String> {
+        let from = &self.table.provenance;
+        let cubes = from.element() == Element::Retroreflector && !from.has_glass();
+        let once = from.options.front() == Front::Once;
+        let share = self.most(&[Fate::Deviated]);
+        (cubes && once && share > DEVIATED).then(|| {
+            format!(
+                "up to {:.1} % of a direction's light leaves after three or more reflections, but \
+                farther from straight back than --angular-tolerance ({} deg): facets are not at \
+                right angles; if they should be, write the mesh with more digits, and if not, give \
+                a larger tolerance where this light is part of the mid-air image",
+                100.0 * share,
+                self.table.provenance.angular_tolerance_deg
+            )
+        })
+    }
+
+    /// Returns the largest share of the light of a direction that has one of these fates.
+    fn most(&self, fates: &[Fate]) -> f64 {
+        let table = self.table;
+        let (incidences, azimuths) = table.axes.shape();
+        let all = (0..incidences).flat_map(|i| (0..azimuths).map(move |a| (i, a)));
+        let of = |i, a, fate| table.fate[[i, a, fate as usize]];
+        all.map(|(i, a)| fates.iter().map(|&fate| of(i, a, fate)).sum())
+            .fold(0.0, f64::max)
+    }
+
     /// Returns the report as JSON.
     pub(crate) fn json(&self) -> Value {
         let rays: u64 = self.table.rays.sum();
@@ -118,23 +166,15 @@ impl Trace<'_> {
             "between_directions": self.table.provenance.direction_tolerance.map(|_| {
                 if self.proved { "proved" } else { "tried" }
             }),
+            "between_directions_error": self.between.map(|own| json!({
+                "total_variation": own.error,
+                "incidence_deg": own.incidence_deg,
+                "azimuth_deg": own.azimuth_deg,
+                "tried": own.tried,
+            })),
             "directions": directions_json(self.table),
         })
     }
-}
-
-/// Returns the largest share of light, of all directions, that comes back but not straight back.
-fn deviated(table: &Table) -> f64 {
-    let [incidences, azimuths] = [table.axes.incidence_deg.len(), table.axes.azimuth_deg.len()];
-    let all = (0..incidences).flat_map(|i| (0..azimuths).map(move |a| (i, a)));
-    let other = [Fate::AntiparallelOther, Fate::Deviated];
-    all.map(|(i, a)| {
-        other
-            .map(|fate| table.fate[[i, a, fate as usize]])
-            .iter()
-            .sum()
-    })
-    .fold(0.0, f64::max)
 }
 
 /// Returns one line for each direction: angles, eta, its error, and the other fates that occur.
@@ -245,4 +285,51 @@ pub(crate) fn comparison_json(comparison: &Comparison) -> String {
         "{}\n",
         json!({ "agrees": comparison.agrees(), "directions": rows })
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::Prepared;
+    use crate::plan::{Plan, Request};
+    use crate::run::{Bake, Watch};
+    use meshes::design::{Design, Shape};
+
+    /// A pair loses half of its light without a word if one of its apexes is 2 % off. That is said
+    /// from 1 % of the light on, and not of the pair itself.
+    #[test]
+    fn light_that_facets_send_astray_is_said() {
+        let warnings = |off: f64| {
+            let mut mesh = Design::new(Shape::TriangularPair).mesh().expect("a mesh");
+            // The apex of the second cube.
+            mesh.positions[4].x += off;
+            let options = meshes::CellOptions::default();
+            let cell = meshes::normalise(&mesh, "cell.obj".as_ref(), &options).expect("a cell");
+            let prepared = Prepared::new(cell);
+            let plan = Plan::new(&Request {
+                incidence: "0,20".into(),
+                refractive_index: Some(1.0),
+                ..Request::default()
+            });
+            let plan = plan.expect("a plan");
+            let bake = Bake::new(&prepared, &plan).expect("a bake");
+            let table = bake.table(Watch::none()).expect("a table");
+            let report = Trace {
+                table: &table,
+                file: "t.h5".as_ref(),
+                seconds: 1.0,
+                proved: false,
+                between: None,
+            };
+            report.warnings()
+        };
+        assert_eq!(warnings(0.0), Vec::<String>::new());
+        let [said] = &warnings(0.02)[..] else {
+            panic!("one warning");
+        };
+        assert!(
+            said.contains("32.8 %") && said.contains("more digits"),
+            "{said}"
+        );
+    }
 }

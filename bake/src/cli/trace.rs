@@ -366,6 +366,7 @@ pub(super) fn called(
         file: &args.output,
         seconds: 0.0,
         proved: bake.is_proved(),
+        between: None,
     };
     warnings.extend(report.warnings());
     Ok((table, warnings))
@@ -461,11 +462,16 @@ impl Job<'_> {
         };
         tables::commit(&table, output)?;
         saved.remove();
+        let bounded = table.provenance.direction_tolerance.is_some();
         let report = report::Trace {
             table: &table,
             file: self.file,
             seconds,
             proved,
+            between: match bounded {
+                true => None,
+                false => self.bake.between(&table),
+            },
         };
         warn(report.warnings());
         if !args.json {

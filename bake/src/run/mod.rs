@@ -7,6 +7,7 @@
 
 mod bake;
 mod beams;
+mod between;
 mod comparison;
 mod cuts;
 mod directions;
@@ -28,6 +29,7 @@ mod work;
 mod world;
 
 pub(crate) use bake::Bake;
+pub(crate) use between::Between;
 pub use comparison::{Comparison, Row};
 pub use error::RunError;
 pub use exits::ExitGap;

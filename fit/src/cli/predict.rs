@@ -313,7 +313,7 @@ fn interpolated(predictions: &[Prediction], table: &Table) -> Option<String> {
     (!between.is_empty()).then(|| {
         format!(
             "the prediction at incidence {} deg is interpolated between directions of the table, \
-            which costs accuracy; bake these directions",
+            which costs accuracy (`bake trace` says how much); bake these directions",
             between.join(", ")
         )
     })

@@ -493,8 +493,8 @@ impl Measuring<'_> {
         let within = tolerance.is_some() && direction.paths.is_some();
         (direction.interpolated && !within).then(|| {
             format!(
-                "incidence {} deg is interpolated between directions of the table; bake it for \
-                full accuracy",
+                "incidence {} deg is interpolated between directions of the table, which costs \
+                accuracy (`bake trace` says how much); bake it",
                 capture.incidence_deg
             )
         })

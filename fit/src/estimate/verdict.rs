@@ -75,8 +75,8 @@ fn unused_distances(scene: &Scene, kernel: Kernel) -> Option<String> {
     (!used && farthest >= FAR_APART * nearest).then(|| {
         format!(
             "the floating distances go from {nearest} to {farthest} mm, and the blur of kernel {} \
-            does not depend on them: a slip in floating_distance_mm goes unnoticed; check that each \
-            is in mm",
+            does not depend on them: a slip in floating_distance_mm goes unnoticed; check that \
+            each is in mm",
             kernel.name()
         )
     })
@@ -156,8 +156,10 @@ fn misfit(goodness: &Goodness, suspects: &[Suspect], baseline: bool) -> Option<S
                 "No single mistake that was tried explains it: check the manifest, the \
                 photographs and the table"
                     .to_owned()
-            } else {
+            } else if suspects[0].leaves_noise() {
                 format!("It would fit if {said}")
+            } else {
+                format!("It would fit better, but not well, if {said}")
             };
             Some(format!(
                 "the fit is {verdict}: {grave} (chi-square {:.3} per degree of freedom{worst}). \

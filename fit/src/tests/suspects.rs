@@ -279,6 +279,75 @@ fn one_distance_in_cm_is_named() {
     );
 }
 
+/// Two photographs that are exchanged, or only their distances, are named if the blur depends on
+/// the distance. The fit is then good, so the warning says that it would fit.
+#[test]
+fn exchanged_photographs_are_named() {
+    let sheet = truth(Kernel::Angular, LobeShape::Radial, 700.0, 0.33, 0.5);
+    let (incidences, distances) = ([0.0, 20.0], [150.0, 300.0]);
+    let shots = params(75, sheet.clone(), &incidences, &distances, camera(4e4));
+    let of_ideal = table(&sheet, &incidences, AZIMUTH);
+    let options = Options::new(Candidates {
+        kernels: vec![Kernel::Angular],
+        ..Candidates::proposed()
+    });
+    let mut cases = 0;
+    for (what, both, others) in [
+        ("floating distances of", false, 1),
+        ("photographs", true, 3),
+    ] {
+        let wrong = found(&shots, &of_ideal, &options, |manifest| {
+            let [first, second] = [0, others].map(|number| {
+                let shot = &manifest.captures[number];
+                (shot.incidence_deg, shot.floating_distance_mm)
+            });
+            for (number, (incidence, distance)) in [(0, second), (others, first)] {
+                let shot = &mut manifest.captures[number];
+                shot.floating_distance_mm = distance;
+                if both {
+                    shot.incidence_deg = incidence;
+                }
+            }
+        });
+        let wrong = wrong.unwrap();
+        println!("{:?} {:?}", wrong.goodness, wrong.suspects);
+        assert_ne!(wrong.goodness.verdict, Verdict::Good);
+        let named = &wrong.suspects[0].what;
+        assert!(named.starts_with(&format!("the {what}")), "{named}");
+        assert!(named.ends_with("are exchanged"), "{named}");
+        let said = wrong.warnings.iter();
+        assert!(said.clone().any(|own| own.contains("It would fit if the")));
+        cases += 1;
+    }
+    assert_eq!(cases, 2);
+}
+
+/// A suspect that leaves far more than noise does not make the photographs fit, and the warning
+/// says so: two incidences are exchanged, and the axis of one photograph is off by 25 degrees.
+#[test]
+fn a_suspect_that_leaves_a_misfit_is_said_to_leave_one() {
+    let (sheet, shots) = planted();
+    let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);
+    let found = found(&shots, &of_ideal, &eq1(), |manifest| {
+        for capture in &mut manifest.captures {
+            capture.incidence_deg = match capture.incidence_deg {
+                20.0 => 40.0,
+                40.0 => 20.0,
+                other => other,
+            };
+        }
+        manifest.captures[7].tangential_axis_deg += 25.0;
+    });
+    let found = found.unwrap();
+    let goodness = &found.goodness;
+    println!("{goodness:?} {:?}", found.suspects);
+    let first = found.suspects.first().expect("a suspect");
+    assert!(!first.leaves_noise(), "{first:?}");
+    let said = |text: &str| found.warnings.iter().any(|own| own.contains(text));
+    assert!(said("It would fit better, but not well, if"));
+    assert!(!said("It would fit if"));
+}
+
 /// Kernel eq1 does not use the distances, so that no misfit tells of a single one in cm. A warning
 /// says that they lie far apart and are not checked.
 #[test]

@@ -7,7 +7,7 @@ pub enum NoDirection {
     #[error(
         "the table does not cover incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; the \
         nearest direction in it is incidence {nearest_incidence_deg} deg, azimuth \
-        {nearest_azimuth_deg} deg: use that or bake the direction"
+        {nearest_azimuth_deg} deg; correct the angle, or bake the direction"
     )]
     Outside {
         /// Incidence asked for, degrees.

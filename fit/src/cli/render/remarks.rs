@@ -35,7 +35,7 @@ pub(super) fn of_image(source: &Picture, seen: &Seen, table: &Table) -> Vec<Stri
     if low == high && !bounded && spots.iter().any(|spot| spot.interpolated) {
         warnings.push(format!(
             "the blur at incidence {at} is interpolated between directions of the table, which \
-            costs accuracy; bake this direction"
+            costs accuracy (`bake trace` says how much); bake this direction"
         ));
     }
     if seen.transfer_error > 1e-3 {

@@ -167,21 +167,8 @@ impl Search<'_> {
                 self.add(all, what, &placed, None);
             }
         }
-        for [one, other] in self.pairs() {
-            let (one, other) = (&scene.shots[one], &scene.shots[other]);
-            let placed = |shot: &Aerial| Placed {
-                incidence_deg: match &shot.image {
-                    image if *image == one.image => other.incidence_deg,
-                    image if *image == other.image => one.incidence_deg,
-                    _ => shot.incidence_deg,
-                },
-                ..shot.placed()
-            };
-            let what = format!(
-                "the incidences of {} ({} deg) and {} ({} deg) are exchanged",
-                one.image, one.incidence_deg, other.image, other.incidence_deg
-            );
-            self.add(all, what, &placed, None);
+        for pair in self.pairs() {
+            self.exchange(all, pair);
         }
         let Some(worst) = self.worst().map(|i| &scene.shots[i]) else {
             return;
@@ -192,6 +179,57 @@ impl Search<'_> {
                 placed.incidence_deg = deg;
             });
         }
+    }
+
+    /// Adds two photographs with exchanged incidences, and with exchanged distances if these
+    /// matter.
+    fn exchange<'s>(&'s self, all: &mut Vec<Otherwise<'s>>, pair: [usize; 2]) {
+        let [one, other] = pair.map(|number| &self.scene.shots[number]);
+        let mut add = |what: &str, take: fn(&mut Placed, Placed)| {
+            let placed = |shot: &Aerial| {
+                let mut placed = shot.placed();
+                match &shot.image {
+                    image if *image == one.image => take(&mut placed, other.placed()),
+                    image if *image == other.image => take(&mut placed, one.placed()),
+                    _ => {}
+                }
+                placed
+            };
+            let [first, second] = [one, other].map(|shot| {
+                let Aerial {
+                    image,
+                    incidence_deg,
+                    r_mm,
+                    ..
+                } = shot;
+                format!("{image} ({incidence_deg} deg, {r_mm} mm)")
+            });
+            let what = format!("{what} {first} and {second} are exchanged");
+            self.add(all, what, &placed, None);
+        };
+        let deg_differ = one.incidence_deg != other.incidence_deg;
+        if deg_differ {
+            add("the incidences of", |own, other| {
+                own.incidence_deg = other.incidence_deg;
+            });
+        }
+        if one.r_mm != other.r_mm && self.uses_distances() {
+            add("the floating distances of", |own, other| {
+                own.r_mm = other.r_mm;
+            });
+            if deg_differ {
+                add("the photographs", |own, other| {
+                    own.incidence_deg = other.incidence_deg;
+                    own.azimuth_deg = other.azimuth_deg;
+                    own.r_mm = other.r_mm;
+                });
+            }
+        }
+    }
+
+    /// Returns whether the blur of the fit depends on the distances.
+    fn uses_distances(&self) -> bool {
+        matches!(self.fit.choice.kernel, Kernel::Angular | Kernel::Wave)
     }
 
     /// Adds turned axes, other azimuths, and the other view of the sheet.
@@ -262,7 +300,7 @@ impl Search<'_> {
 
     /// Adds distances in another unit: of all photographs, and of single ones.
     fn at_other_distances<'s>(&'s self, all: &mut Vec<Otherwise<'s>>) {
-        if !matches!(self.fit.choice.kernel, Kernel::Angular | Kernel::Wave) {
+        if !self.uses_distances() {
             return;
         }
         for (factor, unit) in [(10.0, "cm"), (0.1, "tenths of a mm")] {

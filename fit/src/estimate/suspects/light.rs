@@ -36,6 +36,7 @@ impl Search<'_> {
                 what: own.what.clone(),
                 captures: own.captures.clone(),
                 chi2_if_so: scatter.squares(),
+                degrees_of_freedom_if_so: scatter.freedom,
             })
         };
         self.alternatives().par_iter().filter_map(left).collect()
@@ -84,12 +85,14 @@ impl Search<'_> {
             groups.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
             groups.dedup_by(|a, b| (a.0 - b.0).abs() < 1e-12);
             let squares = scatter_about_mean(&groups);
-            let chance = chance::of_squares(squares, groups.len().saturating_sub(1));
+            let freedom = groups.len().saturating_sub(1);
+            let chance = chance::of_squares(squares, freedom);
             let explains = now - squares > SURE && chance > AGREE;
             (groups.len() > 1 && explains).then(|| Suspect {
                 what: own.what.clone(),
                 captures: own.captures.clone(),
                 chi2_if_so: squares,
+                degrees_of_freedom_if_so: freedom,
             })
         };
         let mut found: Vec<Suspect> = all.iter().filter_map(agrees).collect();
@@ -137,6 +140,7 @@ impl Search<'_> {
             what,
             captures,
             chi2_if_so: left,
+            degrees_of_freedom_if_so: scatter.freedom.saturating_sub(1),
         })
     }
 }
