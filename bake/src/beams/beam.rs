@@ -39,6 +39,8 @@ pub(crate) struct LitPiece {
     pub offset: DVec2,
     /// Share of the launched power that is retroreflected.
     pub weight: f64,
+    /// Fields of the light inside the front face; `None` without losses.
+    pub light: Option<Light>,
     /// Deviation of the light, as in [`tables::Path::deviation`].
     pub deviation: DVec2,
     /// Number of times that the front face has sent the light back.
@@ -516,6 +518,7 @@ impl Follower<'_> {
                 matrix,
                 offset,
                 weight,
+                light: course.light,
                 deviation,
                 passes,
             }));

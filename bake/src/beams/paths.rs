@@ -2,7 +2,9 @@
 //!
 //! The order in which light meets the faces of one cube does not change its ray shift: the six
 //! facet sequences of an ideal cube are one polygon with one map. If there are losses, the orders
-//! change the polarisation in different ways and stay apart.
+//! change the polarisation in different ways and stay apart. They do so too where symmetry makes
+//! their powers equal, as along the azimuth of a mirror plane: a path goes on from one direction to
+//! the next, and so a table can be interpolated.
 //!
 //! In a lattice the pieces of one cube may have been lit through different copies. Each piece is
 //! moved to the period that holds the fixed point of its map, which is the centre of the cube.
@@ -19,8 +21,8 @@ use crate::geometry::{Polygon, polygon};
 /// The rounding of a few reflections is 1e-15.
 const SAME_MAP: f64 = 1e-13;
 
-/// Largest difference of two weights that count as the same one. The rounding of a few reflections
-/// is 1e-15.
+/// Largest difference of two weights, and of fields of unit power, that count as the same one. The
+/// rounding of a few reflections is 1e-15.
 const SAME_WEIGHT: f64 = 1e-13;
 
 /// Largest angle between two deviations that count as the same one, rad. Rounding is far smaller.
@@ -73,9 +75,14 @@ fn bring_home(piece: &mut LitPiece, [a, b]: [DVec2; 2]) {
 }
 
 fn same_map(a: &LitPiece, b: &LitPiece) -> bool {
+    let alike = match (&a.light, &b.light) {
+        (Some(a), Some(b)) => a.apart(b) <= SAME_WEIGHT,
+        _ => true,
+    };
     let slack = SAME_MAP * (1.0 + a.offset.length());
     let linear = a.matrix - b.matrix;
     a.passes == b.passes
+        && alike
         && (a.weight - b.weight).abs() <= SAME_WEIGHT
         && (a.deviation - b.deviation).length() <= SAME_DIRECTION
         && (a.offset - b.offset).length() <= slack

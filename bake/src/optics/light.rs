@@ -158,6 +158,12 @@ impl Light {
         f64::midpoint(self.0[0].power(), self.0[1].power()).min(1.0)
     }
 
+    /// Returns the distance of the fields of two lights.
+    pub(crate) fn apart(&self, other: &Light) -> f64 {
+        let apart = |(a, b): (&Field, &Field)| (a.re - b.re).length() + (a.im - b.im).length();
+        self.0.iter().zip(&other.0).map(apart).sum()
+    }
+
     /// Returns the light after the reflection at a facet.
     ///
     /// `travel` is the direction before it, unit length, and `index` the refractive index of the

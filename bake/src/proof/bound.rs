@@ -3,7 +3,7 @@
 use tables::Family;
 
 use crate::geometry::polygon;
-use crate::optics::{Leaving, Rules};
+use crate::optics::{Backing, Rules};
 use crate::proof::group::{Group, Light};
 use crate::proof::guess::Guess;
 use crate::proof::leaves::leaves;
@@ -25,6 +25,15 @@ pub(crate) struct Proof {
     pub rules: Rules,
     /// Largest error of an exit direction that counts as none, rad.
     pub astray_rad: f64,
+}
+
+impl Proof {
+    /// Returns whether a cube has one path for each order of its facets, and not one for all:
+    /// because facets are not at right angles, or because they polarise light.
+    pub(crate) fn has_many_paths(&self) -> bool {
+        let polarises = matches!(self.rules.losses, Some(Backing::Metal(_) | Backing::Bare));
+        polarises || !self.pits.iter().all(Pit::is_right)
+    }
 }
 
 /// Returns an upper bound of the error of the interpolation by `families`, in every direction of
@@ -49,8 +58,9 @@ pub(crate) struct Proof {
 ///   another one ([`crossing`](crate::proof::crossing)). Each further Q counts once; it lies in two
 ///   Q together.
 ///
-/// Each of these areas is that of an intersection of half-planes, and [`overlap`] bounds it. All
-/// together, what weights are off by, and the light that jumps, bound the L1 distance. Light goes
+/// Each of these areas is that of an intersection of half-planes, and [`overlap`] bounds it. They
+/// count with the greatest weight of all. Where P and Q share light, their weights differ by what
+/// losses and jumps make of them ([`Group::lost`]). All together bound the L1 distance. Light goes
 /// astray where a family is not near its map, or where no light has this map: then all of its light
 /// is in other sequences or outside of the entrance. Which sequence and which family belong
 /// together changes the bound, not its truth.
@@ -94,11 +104,13 @@ pub(crate) fn bound(
         let Some(group) = Group::new(kin, &seen, &guesses, pit, &patch) else {
             return f64::INFINITY;
         };
-        twice += pit.weight * group.twice();
+        let part = [incidence, azimuth];
+        // Nothing that counts as light here has a greater weight.
+        let weights = group.light().map(|light| light.guess.weight(gap, part));
+        let most = weights.fold(pit.weight, f64::max);
+        twice += most * group.twice() + group.lost(gap, part);
         for light in group.light() {
-            let lost = light.guess.lost(pit.weight, gap, [incidence, azimuth]);
-            twice += lost * light.area;
-            astray += pit.weight
+            astray += most
                 * if turned(&light, incidence[1], &proof.rules) < proof.astray_rad {
                     light.alone
                 } else {
@@ -132,12 +144,11 @@ fn turned(light: &Light<'_>, incidence_deg: f64, rules: &Rules) -> f64 {
 
 /// Returns all sequences of all pits, or `None` if the way back of one cannot be enclosed.
 fn sequences(proof: &Proof, patch: &Patch) -> Option<Vec<Seen>> {
-    let leaving = Leaving::new(&proof.rules);
     let mut seen = Vec::new();
     for (number, pit) in proof.pits.iter().enumerate() {
-        for leaf in leaves(pit, patch, &leaving) {
+        for leaf in leaves(pit, patch, &proof.rules) {
             let returned = match leaf.returns {
-                true => Some(Returned::of(&leaf, pit.height, patch)?),
+                true => Some(Returned::of(&leaf, pit, patch, &proof.rules)?),
                 false => None,
             };
             seen.push(Seen {

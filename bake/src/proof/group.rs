@@ -195,7 +195,8 @@ impl<'a> Group<'a> {
         for truth in &self.truths {
             twice += self.uncovered(&truth.ever, &truth.lines, truth.family, &[]);
             for (number, guess) in self.guesses.iter().enumerate() {
-                twice += 2.0 * self.crossing(truth, guess, number == truth.family);
+                let (points, area) = self.shared(truth, guess, number == truth.family);
+                twice += 2.0 * self.crossing(truth, guess, &points, area);
             }
         }
         for (number, guess) in self.guesses.iter().enumerate() {
@@ -303,22 +304,50 @@ impl<'a> Group<'a> {
         taken.chain(outside).sum()
     }
 
-    /// Returns a bound of the area that a sequence and a family share, and whose light they send to
-    /// different bins.
-    fn crossing(&self, truth: &Truth<'_>, guess: &Placed<'_>, own: bool) -> f64 {
+    /// Returns points that hold all that a sequence and a family share, and a bound of their area.
+    fn shared(&self, truth: &Truth<'_>, guess: &Placed<'_>, own: bool) -> (Polygon, f64) {
         let points = ever(&guess.ever, &truth.lines);
-        let mut area = polygon::area(&points);
-        if area <= NO_AREA {
-            return area.max(0.0);
-        }
-        if !own {
+        let mut area = polygon::area(&points).max(0.0);
+        if area > NO_AREA && !own {
             area = area.min(overlap(&points, &truth.lines, &guess.lines));
+        }
+        (points, area)
+    }
+
+    /// Returns a bound of the difference of the weights of sequences and families, times the areas
+    /// that they share, in the part of the gap given.
+    pub(crate) fn lost(&self, gap: [[f64; 2]; 2], part: [[f64; 2]; 2]) -> f64 {
+        let of = |(number, guess): (usize, &Placed<'_>)| {
+            let (mut sum, mut most) = (0.0, 0.0_f64);
+            for truth in &self.truths {
+                let (_, area) = self.shared(truth, guess, number == truth.family);
+                if area <= 0.0 {
+                    continue;
+                }
+                let off = guess.guess.lost(truth.returned.weight, gap, part);
+                if !off.is_finite() {
+                    return f64::INFINITY;
+                }
+                sum += off * area;
+                most = most.max(off);
+            }
+            // A point has one sequence.
+            sum.min(most * polygon::area(&guess.ever))
+        };
+        self.guesses.iter().enumerate().map(of).sum()
+    }
+
+    /// Returns a bound of the area of `points` whose light a sequence and a family send to
+    /// different bins; `area` bounds that of all.
+    fn crossing(&self, truth: &Truth<'_>, guess: &Placed<'_>, points: &[DVec2], area: f64) -> f64 {
+        if area <= NO_AREA {
+            return area;
         }
         let same = truth.first == guess.first;
         let apart = less(guess.returned.fixed, truth.returned.fixed);
         let error = guess.returned.error + truth.returned.error;
         let shared = Shared {
-            points: &points,
+            points,
             area,
             from: (guess.place, guess.error),
             apart: (apart, if same { 0.0 } else { error }),

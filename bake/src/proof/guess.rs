@@ -5,7 +5,7 @@ use tables::Family;
 
 use crate::geometry::Polygon;
 use crate::proof::means::{Enclosed, enclose};
-use crate::proof::moving::{Moving, Patch, ever, most};
+use crate::proof::moving::{Affine, Moving, Patch, ever, most};
 use crate::proof::returned::Returned;
 
 /// Greatest sum of the unit normals of two lines that are taken for two sides of one.
@@ -111,16 +111,21 @@ impl<'a> Guess<'a> {
     }
 
     /// Returns a bound of what the weight is off from `weight`, in the part of the gap given.
-    pub(crate) fn lost(&self, weight: f64, gap: [[f64; 2]; 2], part: [[f64; 2]; 2]) -> f64 {
+    pub(crate) fn lost(
+        &self,
+        (weight, loose): (Affine, f64),
+        gap: [[f64; 2]; 2],
+        part: [[f64; 2]; 2],
+    ) -> f64 {
         let (weights, error) = self.values[6];
-        let off = most([weights[0] - weight, weights[1], weights[2]]) + error;
-        self.jumped(gap, part)[1] + off
+        let off = [0, 1, 2].map(|k| weights[k] - weight[k]);
+        self.jumped(gap, part)[1] + most(off) + error + loose
     }
 
     /// Returns a bound of the weight in the part of the gap given.
     pub(crate) fn weight(&self, gap: [[f64; 2]; 2], part: [[f64; 2]; 2]) -> f64 {
         let (weights, error) = self.values[6];
-        (most(weights) + error) * (1.0 - self.jumped(gap, part)[0]).max(0.0)
+        (most(weights) + error).min(1.0) * (1.0 - self.jumped(gap, part)[0]).max(0.0)
     }
 
     /// Returns the least and the greatest share of corners that lack the path by a jump.

@@ -8,7 +8,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::geometry::{Polygon, polygon};
-use crate::optics::Leaving;
+use crate::optics::{Leaving, Rules};
 use crate::proof::moving::{Affine, Moving, Patch, ever};
 use crate::proof::pits::{Face, Pit};
 
@@ -30,6 +30,8 @@ pub(crate) struct Leaf {
     pub linear: DMat3,
     /// Constant part of that map.
     pub shift: DVec3,
+    /// Normals of the facets that it meets, unit length, folded back as `linear` is.
+    pub normals: Vec<DVec3>,
     /// True if its light counts as retroreflected.
     pub returns: bool,
     /// True if the sequence was not followed to its end.
@@ -42,7 +44,7 @@ pub(crate) struct Leaf {
 /// A ray in a pit meets exactly one face next. So in each direction the sequences share the whole
 /// entrance, each point once, and a sequence's points are those whose light meets its faces one
 /// after the other.
-pub(crate) fn leaves(pit: &Pit, patch: &Patch, leaving: &Leaving) -> Vec<Leaf> {
+pub(crate) fn leaves(pit: &Pit, patch: &Patch, rules: &Rules) -> Vec<Leaf> {
     let door = pit.door();
     let edges = door.iter().zip(door.iter().cycle().skip(1));
     let lines = edges.map(|(&a, &b)| {
@@ -58,6 +60,7 @@ pub(crate) fn leaves(pit: &Pit, patch: &Patch, leaving: &Leaving) -> Vec<Leaf> {
         ever: door.clone(),
         linear: DMat3::IDENTITY,
         shift: DVec3::ZERO,
+        normals: Vec::new(),
         returns: false,
         open: false,
     };
@@ -65,7 +68,8 @@ pub(crate) fn leaves(pit: &Pit, patch: &Patch, leaving: &Leaving) -> Vec<Leaf> {
     let mut search = Search {
         pit,
         patch,
-        leaving,
+        rules,
+        leaving: Leaving::new(rules),
         found: &mut found,
     };
     search.follow(start, pit.faces.len() - 1, 0);
@@ -75,7 +79,8 @@ pub(crate) fn leaves(pit: &Pit, patch: &Patch, leaving: &Leaving) -> Vec<Leaf> {
 struct Search<'a> {
     pit: &'a Pit,
     patch: &'a Patch,
-    leaving: &'a Leaving,
+    rules: &'a Rules,
+    leaving: Leaving,
     found: &'a mut Vec<Leaf>,
 }
 
@@ -106,9 +111,24 @@ impl Search<'_> {
                 self.found.push(onward);
                 continue;
             }
+            match self.reflects(face, &beam) {
+                Some(true) => {}
+                Some(false) => {
+                    self.found.push(onward);
+                    continue;
+                }
+                None => {
+                    self.found.push(Leaf {
+                        open: true,
+                        ..onward
+                    });
+                    continue;
+                }
+            }
             let mirror = |x: DVec3| x - 2.0 * face.normal.dot(x) * face.normal;
             let [x, y, z] =
                 [beam.linear.x_axis, beam.linear.y_axis, beam.linear.z_axis].map(mirror);
+            onward.normals.push(beam.linear.transpose() * face.normal);
             onward.linear = DMat3::from_cols(x, y, z);
             onward.shift = mirror(beam.shift) + 2.0 * face.offset * face.normal;
             self.follow(onward, which, reflections + 1);
@@ -121,6 +141,34 @@ impl Search<'_> {
         let along = normal.truncate();
         let most = along.dot(self.patch.first).abs() + along.dot(self.patch.second).abs();
         along.dot(self.patch.centre) - normal.z - most < 0.0
+    }
+
+    /// Returns whether `face` reflects light of all directions of the patch, or lets all of it
+    /// through; `None` if it may differ.
+    ///
+    /// Light along (tau, -1) is reflected totally if its cosine c from the normal has c^2 < 1 -
+    /// 1/n^2. Over the length 1 / cos(incidence) of that vector, c is affine in tau.
+    fn reflects(&self, face: &Face, beam: &Leaf) -> Option<bool> {
+        if !self.rules.reflects_only_totally() {
+            return Some(true);
+        }
+        let normal = beam.linear.transpose() * face.normal;
+        let along = normal.truncate();
+        let middle = (along.dot(self.patch.centre) - normal.z).abs();
+        let change = along.dot(self.patch.first).abs() + along.dot(self.patch.second).abs();
+        let limit = 1.0 - self.rules.refractive_index.powi(-2);
+        let (far, near) = self.patch.distances(DVec2::ZERO);
+        // Rounding decides within 1e-12 of the limit.
+        let most = limit * (1.0 + far * far) + 1e-12;
+        let least = limit * (1.0 + near * near) - 1e-12;
+        match (
+            (middle - change).max(0.0).powi(2),
+            (middle + change).powi(2),
+        ) {
+            (_, greatest) if greatest < least => Some(true),
+            (smallest, _) if smallest > most => Some(false),
+            _ => None,
+        }
     }
 
     /// Returns the half-planes of the entry points whose light goes through `face`.

@@ -14,7 +14,9 @@ mod means;
 mod moving;
 mod pairs;
 mod pits;
+mod power;
 mod returned;
+mod series;
 
 pub(crate) use bound::{Proof, bound};
 pub(crate) use pits::{Pit, pits};

@@ -55,55 +55,109 @@ fn together(seen: &[Seen], numbers: impl Iterator<Item = usize>, most: f64) -> V
     groups
 }
 
-/// Pairs families with the sequences that they cover best in the middle of the patch.
-pub(crate) fn pair(seen: &mut [Seen], guesses: &[Guess<'_>], astray_rad: f64) -> Vec<Kin> {
-    let returned = (0..seen.len()).filter(|&number| seen[number].returned.is_some());
-    let groups = together(seen, returned, STRAIGHT);
-    let shared = |guess: &Guess<'_>, one: &Seen| match &one.returned {
-        Some(returned) => {
-            let lines = seen_from(&one.leaf.lines, returned.fixed, 0.0);
-            polygon::area(&middle(&guess.ever, guess.lines.iter().chain(&lines)))
-        }
-        None => 0.0,
+/// Returns the area that a family and a sequence share in the middle of the patch, once their fixed
+/// points lie on each other.
+fn shared(guess: &Guess<'_>, one: &Seen) -> f64 {
+    let of = |returned: &Returned| {
+        let lines = seen_from(&one.leaf.lines, returned.fixed, 0.0);
+        polygon::area(&middle(&guess.ever, guess.lines.iter().chain(&lines)))
     };
-    let mut scores = Vec::new();
-    for (which, guess) in guesses.iter().enumerate() {
-        for (group, own) in groups.iter().enumerate() {
-            let Some(returned) = &seen[own[0]].returned else {
-                continue;
-            };
-            let area: f64 = own.iter().map(|&one| shared(guess, &seen[one])).sum();
-            let preferred = if guess.turned(returned) < astray_rad {
-                1.0
-            } else {
-                0.01
-            };
-            scores.push((preferred * area, which, group));
-        }
-    }
-    scores.sort_by(|a, b| b.0.total_cmp(&a.0));
+    one.returned.as_ref().map_or(0.0, of)
+}
+
+/// Assignment of families to maps of sequences.
+struct Standing {
+    /// For each family the number of the first sequence with its map.
+    first: Vec<Option<usize>>,
+    /// For each map the families that stand for it.
+    families: Vec<Vec<usize>>,
+}
+
+/// Returns the families that stand for the maps of `groups`, sequences of one map each.
+///
+/// Each map takes one family first. Then come the sequences that no family of their map covers: two
+/// cubes may have families of equal polygons, one for each order of their facets. Whatever family
+/// is left goes where most of it lies.
+///
+/// `shared` are the areas that each family shares with each sequence.
+fn standing(
+    seen: &[Seen],
+    guesses: &[Guess<'_>],
+    groups: &[Vec<usize>],
+    shared: &[Vec<f64>],
+    astray_rad: f64,
+) -> Standing {
     let alike = |which: usize, group: usize| {
         let returned = &seen[groups[group][0]].returned;
         returned
             .as_ref()
             .is_some_and(|returned| guesses[which].turned(returned) < astray_rad)
     };
-    let mut stands = vec![None; guesses.len()];
-    let mut taken = vec![Vec::new(); groups.len()];
-    for again in [false, true] {
-        for &(score, which, group) in &scores {
-            // Another path that only lies there is better counted by itself.
-            let first = taken[group].is_empty() || again && alike(which, group);
-            if score > 0.0 && stands[which].is_none() && first {
-                stands[which] = Some(groups[group][0]);
-                taken[group].push(which);
+    let mut scores = Vec::new();
+    for (which, shared) in shared.iter().enumerate() {
+        for (group, own) in groups.iter().enumerate() {
+            let area: f64 = own.iter().map(|&one| shared[one]).sum();
+            let preferred = if alike(which, group) { 1.0 } else { 0.01 };
+            scores.push((preferred * area, which, group));
+        }
+    }
+    scores.retain(|score| score.0 > 0.0);
+    scores.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut found = Standing {
+        first: vec![None; guesses.len()],
+        families: vec![Vec::new(); groups.len()],
+    };
+    for &(_, which, group) in &scores {
+        if found.first[which].is_none() && found.families[group].is_empty() {
+            found.put(which, group, groups);
+        }
+    }
+    for (group, own) in groups.iter().enumerate() {
+        for &one in own {
+            let half = 0.5 * polygon::area(&seen[one].leaf.ever);
+            let covers = |which: &usize| shared[*which][one] > half;
+            if found.families[group].iter().any(covers) {
+                continue;
+            }
+            let rest = (0..guesses.len()).filter(|which| found.first[*which].is_none());
+            let rest = rest.filter(|which| covers(which) && alike(*which, group));
+            let best = rest.max_by(|&a, &b| shared[a][one].total_cmp(&shared[b][one]));
+            if let Some(which) = best {
+                found.put(which, group, groups);
             }
         }
     }
+    for &(_, which, group) in &scores {
+        // Another path that only lies there is better counted by itself.
+        if found.first[which].is_none() && alike(which, group) {
+            found.put(which, group, groups);
+        }
+    }
+    found
+}
+
+impl Standing {
+    /// Lets the family `which` stand for a group.
+    fn put(&mut self, which: usize, group: usize, groups: &[Vec<usize>]) {
+        self.first[which] = Some(groups[group][0]);
+        self.families[group].push(which);
+    }
+}
+
+/// Pairs families with the sequences that they cover best in the middle of the patch.
+pub(crate) fn pair(seen: &mut [Seen], guesses: &[Guess<'_>], astray_rad: f64) -> Vec<Kin> {
+    let returned = (0..seen.len()).filter(|&number| seen[number].returned.is_some());
+    let groups = together(seen, returned, STRAIGHT);
+    let shared: Vec<Vec<f64>> = guesses
+        .iter()
+        .map(|guess| seen.iter().map(|one| shared(guess, one)).collect())
+        .collect();
+    let Standing {
+        first: stands,
+        families: taken,
+    } = standing(seen, guesses, &groups, &shared, astray_rad);
     let best = |number: usize, families: &[usize]| {
-        let areas = families
-            .iter()
-            .map(|&f| (shared(&guesses[f], &seen[number]), f));
+        let areas = families.iter().map(|&f| (shared[f][number], f));
         let best = areas.max_by(|a, b| a.0.total_cmp(&b.0));
         best.map(|(_, family)| family)
     };

@@ -3,9 +3,12 @@
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
+use crate::optics::Rules;
 use crate::proof::leaves::Leaf;
 use crate::proof::means::Enclosed;
 use crate::proof::moving::{Affine, Patch};
+use crate::proof::pits::Pit;
+use crate::proof::power::power;
 
 /// Returned light of a facet sequence.
 #[derive(Debug, Clone)]
@@ -16,12 +19,14 @@ pub(crate) struct Returned {
     pub error: f64,
     /// Row-major linear part of the shift map, and the tangents astray as in [`tables::Family`].
     pub map: Enclosed<6>,
+    /// Weight of the path, as in [`tables::Path`].
+    pub weight: (Affine, f64),
 }
 
 impl Returned {
-    /// Encloses the light of `leaf`, whose opening is at `height`, or returns `None` if the patch
-    /// is too large for it, or the map has no fixed point.
-    pub(crate) fn of(leaf: &Leaf, height: f64, patch: &Patch) -> Option<Returned> {
+    /// Encloses the light of `leaf` of `pit`, or returns `None` if the patch is too large for it,
+    /// or the map has no fixed point.
+    pub(crate) fn of(leaf: &Leaf, pit: &Pit, patch: &Patch, rules: &Rules) -> Option<Returned> {
         let linear = leaf.linear;
         let launched = |tau: DVec2, down: f64| linear * tau.extend(down);
         // Direction of the light that leaves, (down the launched light) of length 1 / cos.
@@ -30,7 +35,7 @@ impl Returned {
             launched(patch.first, 0.0),
             launched(patch.second, 0.0),
         ];
-        let (fixed, error) = fixed_point(leaf, height, left)?;
+        let (fixed, error) = fixed_point(leaf, pit.height, left)?;
         let upright = [left[0].z, left[1].z, left[2].z];
         let [u, v] = [linear.x_axis, linear.y_axis].map(|y| carried(y, left, upright));
         let (u, v) = (u?, v?);
@@ -54,6 +59,7 @@ impl Returned {
                 astray(0),
                 astray(1),
             ],
+            weight: (power(&leaf.normals, linear, patch, rules) * pit.weight).enclosed(),
         })
     }
 }

@@ -16,10 +16,10 @@
 
 use crate::cell::ExactCell;
 use crate::plan::default;
-use crate::proof::{Pit, Proof};
+use crate::proof::Proof;
 use crate::run::bake::Bake;
 use crate::run::error::RunError;
-use crate::run::proved::{self, Part};
+use crate::run::proved::{self, Known, Part};
 use crate::run::trial::{self, ASTRAY_RAD, OPEN};
 use crate::run::watch::Watch;
 use crate::samples::Stream;
@@ -34,8 +34,9 @@ const AIM: f64 = 0.8;
 /// Number of random directions that are tried at the end.
 pub(crate) const TRIED: u64 = 2000;
 
-/// Part of the tolerance that the search aims at before it looks for a proof of a cell whose
-/// mirrors are not at right angles. Its bounds are above the errors by up to half of the tolerance.
+/// Part of the tolerance that the search aims at before it looks for a proof of a cell whose cubes
+/// have one path for each order of their facets. Its bounds are above the errors by up to half of
+/// the tolerance.
 const AIM_OF_PROOF: f64 = 0.4;
 
 /// Largest number of directions with which a proof is looked for.
@@ -150,6 +151,7 @@ impl<'a> Search<'a> {
     /// help a proof. Returns whether the tolerance is proved.
     fn refine(&mut self, watch: Watch<'_>) -> Result<bool, RunError> {
         let mut looked = 0;
+        let mut known = Known::default();
         let mut tried: Option<(Vec<f64>, Vec<f64>)> = None;
         loop {
             if watch.is_stopped() {
@@ -181,13 +183,13 @@ impl<'a> Search<'a> {
             };
             if tried.is_none() {
                 tried = Some((self.incidences.clone(), self.azimuths.clone()));
-                if !proof.pits.iter().all(Pit::is_right) {
+                if proof.has_many_paths() {
                     self.aim = AIM_OF_PROOF * self.tolerance;
                     continue;
                 }
             }
             let ends = self.azimuth_ends();
-            let bounds = proved::parts(proof, &table, &ends, self.tolerance, watch);
+            let bounds = proved::parts(proof, &table, &ends, self.tolerance, &mut known, watch);
             let bounds = bounds.ok_or(RunError::Stopped)?;
             let open = self.open(&bounds.parts);
             if open.is_empty() {

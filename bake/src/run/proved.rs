@@ -1,5 +1,7 @@
 //! Proof that a table keeps its tolerance in all directions between its own.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use tables::options::{Element, Front};
 use tables::{Axes, Family, Table};
@@ -43,21 +45,37 @@ pub(crate) struct Bounds {
     pub looked: usize,
 }
 
+/// Gaps that were proved, each with what the table knew there. Between the same families the bounds
+/// are the same, so a gap far from a new direction is not looked at again.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Known(BTreeMap<[u64; 4], (Vec<Family>, Vec<Part>)>);
+
+impl Known {
+    /// Returns the parts of `gap` if it was proved between these families.
+    fn parts(&self, gap: [[f64; 2]; 2], families: &[Family]) -> Option<&Vec<Part>> {
+        let (known, parts) = self.0.get(&Known::key(gap))?;
+        (known == families).then_some(parts)
+    }
+
+    fn key([[a, b], [c, d]]: [[f64; 2]; 2]) -> [u64; 4] {
+        [a, b, c, d].map(f64::to_bits)
+    }
+}
+
 /// Returns what is needed for proofs, or `None` if the class of the cell has none.
 ///
-/// The class has convex pits of three mirrors, ideal mirrors and a front that sends nothing back.
-/// The mirrors need not be at right angles: the six orders of the facets are then six paths with
+/// The class has convex pits of three facets, with losses or without, and a front that sends
+/// nothing back. The facets need not be at right angles: their six orders are then six paths with
 /// nearly one map, whose polygons are bounded together ([`bound`]). What the interpolation mistakes
 /// for a neighbour's light goes to nearly the same place. With errors of milliradians even that may
 /// be too much, and the search falls back to trials. Others are kept out:
 ///
-/// - In a lattice light meets facets of many copies, some behind others, and losses depend on the
-///   direction otherwise than by lines. Neither is enclosed here.
+/// - In a lattice light meets facets of many copies, some behind others, which is not enclosed
+///   here.
+/// - Light that a front sends back takes too many sequences to list.
 /// - Each family is compared with each pit, so the time grows with the square of their number.
 pub(crate) fn provable(exact: &ExactCell, rules: &Rules, astray_rad: f64) -> Option<Proof> {
-    let simple = rules.losses.is_none()
-        && rules.mirror_back
-        && rules.roughness.is_none()
+    let simple = rules.roughness.is_none()
         && rules.glass_index.is_none()
         && rules.front == Front::Once
         && rules.element == Element::Retroreflector;
@@ -78,12 +96,14 @@ pub(crate) fn provable(exact: &ExactCell, rules: &Rules, astray_rad: f64) -> Opt
 ///
 /// `azimuth_ends` are its azimuths, and the end of the last gap where they go all around. Parts
 /// whose bound is above `tolerance` are halved. A gap that is not proved ends with a part whose
-/// bound is above it, and the rest of the gap is left out.
+/// bound is above it, and the rest of the gap is left out. Gaps that are `known` are taken from
+/// there, and those that are proved are added.
 pub(crate) fn parts(
     proof: &Proof,
     table: &Table,
     azimuth_ends: &[f64],
     tolerance: f64,
+    known: &mut Known,
     watch: Watch<'_>,
 ) -> Option<Bounds> {
     let Axes {
@@ -114,8 +134,11 @@ pub(crate) fn parts(
                 azimuth_deg: gap[1],
                 bound: f64::INFINITY,
             };
-            return Some((vec![unknown], 1));
+            return Some((gap, Vec::new(), vec![unknown], 1));
         };
+        if let Some(parts) = known.parts(gap, &families) {
+            return Some((gap, families, parts.clone(), 0));
+        }
         let mut search = Gap {
             proof,
             families: &families,
@@ -125,14 +148,22 @@ pub(crate) fn parts(
             looked: 0,
         };
         search.divide(gap, HALVINGS);
-        Some((search.found, search.looked))
+        let Gap { found, looked, .. } = search;
+        Some((gap, families, found, looked))
     };
-    let found: Option<Vec<(Vec<Part>, usize)>> = all.par_iter().map(of).collect();
-    let (parts, looked): (Vec<Vec<Part>>, Vec<usize>) = found?.into_iter().unzip();
-    Some(Bounds {
-        parts: parts.concat(),
-        looked: looked.iter().sum(),
-    })
+    let found: Option<Vec<_>> = all.par_iter().map(of).collect();
+    let mut bounds = Bounds {
+        parts: Vec::new(),
+        looked: 0,
+    };
+    for (gap, families, parts, looked) in found? {
+        bounds.parts.extend(&parts);
+        bounds.looked += looked;
+        if parts.iter().all(|part| part.bound <= tolerance) {
+            known.0.insert(Known::key(gap), (families, parts));
+        }
+    }
+    Some(bounds)
 }
 
 /// Gap between directions of a table.
@@ -184,7 +215,8 @@ mod tests {
     use crate::run::trial;
     use meshes::Cell;
     use meshes::design::{Design, Shape};
-    use tables::options::{Back, Losses};
+    use num_complex::Complex64;
+    use tables::options::{Back, Front, Losses};
 
     fn design(name: &str, change: impl FnOnce(&mut Design)) -> Cell {
         let mut design = Design::new(Shape::from_name(name).expect("a design"));
@@ -239,67 +271,115 @@ mod tests {
     /// Parts of a gap along each angle.
     const SIDE: u32 = 8;
 
+    /// Leaves the facets as they are: they lose no light.
+    fn ideal(request: Request) -> Request {
+        request
+    }
+
+    /// Gives facets of aluminium, and Fresnel's losses at the front.
+    fn aluminium(request: Request) -> Request {
+        Request {
+            losses: Losses::Fresnel,
+            metal: Some(Complex64::new(0.96, 6.69)),
+            wavelength_nm: Some(550.0),
+            ..request
+        }
+    }
+
+    /// Makes the facets bare, with Fresnel's losses there and at the front.
+    fn bare(request: Request) -> Request {
+        Request {
+            losses: Losses::Fresnel,
+            back: Back::Tir,
+            ..request
+        }
+    }
+
+    /// Makes facets reflect totally, or not at all.
+    fn total(request: Request) -> Request {
+        Request {
+            back: Back::Tir,
+            ..request
+        }
+    }
+
+    /// Returns a bound and the error of one direction in each of 8 x 8 parts of each gap of a table
+    /// that is [`spoiled`].
+    fn trials(cell: &Cell, request: &Request, how: usize) -> Vec<(f64, f64)> {
+        let plan = Plan::new(request).expect("a valid request");
+        let prepared = Prepared::new(cell.clone());
+        let exact = prepared.exact().expect("planar");
+        let bake = Bake::new(&prepared, &plan).expect("a bake");
+        let pits = exact.bodies.iter().map(pits).collect::<Option<Vec<_>>>();
+        let proof = Proof {
+            pits: pits.expect("pits").concat(),
+            entrance_area: exact.entrance_area(),
+            rules: bake.rules,
+            astray_rad: trial::ASTRAY_RAD,
+        };
+        let table = spoiled(bake.beams(exact, Watch::none()).expect("a table"), how);
+        let axes = &table.axes;
+        let gaps = axes.incidence_deg.windows(2).flat_map(|i| {
+            let azimuths = axes.azimuth_deg.windows(2);
+            azimuths.map(move |a| [[i[0], i[1]], [a[0], a[1]]])
+        });
+        let of = |gap: [[f64; 2]; 2]| {
+            let [a, b] = gap.map(|[from, to]| 0.5 * (from + to));
+            let families = table.families(a, b).expect("families");
+            let found = (0..SIDE * SIDE).into_par_iter().map(|k| {
+                let place = [k / SIDE, k % SIDE].map(f64::from);
+                let at = |axis: usize, part: f64| {
+                    let [from, to] = gap[axis];
+                    from + (place[axis] + part) / f64::from(SIDE) * (to - from)
+                };
+                let part = [0, 1].map(|axis| [at(axis, 0.0), at(axis, 1.0)]);
+                let bound = bound(&proof, &families, gap, part);
+                // Anywhere in the part, elsewhere in each.
+                let inside = |k: u32| (0.37 + 0.618 * f64::from(k)).fract();
+                let [i, a] = [at(0, inside(k)), at(1, inside(3 * k + 1))];
+                (bound, trial::error(exact, &bake.rules, &table, i, a))
+            });
+            found.collect::<Vec<(f64, f64)>>()
+        };
+        gaps.flat_map(of).collect()
+    }
+
     /// Bounds against trials, in coarse tables and in spoiled ones, so that the errors are large,
-    /// and in finer ones, so that the bounds are small. Every gap is cut into 8 x 8 parts, and one
-    /// direction is tried in each.
+    /// and in finer ones, so that the bounds are small.
     #[test]
     fn no_trial_exceeds_its_bound() {
-        let (mut tried, mut ratios, mut worst) = (0, Vec::new(), 0.0_f64);
-        let mut uneven = 0;
-        for (which, cell) in cells().iter().enumerate() {
-            for (index, incidence, azimuth) in [
+        type Kind = fn(Request) -> Request;
+        let all = cells();
+        let plain = (0..all.len()).flat_map(|which| {
+            let cases = [
                 (1.0, "0,25,50", "full:60"),
                 (1.49, "0,30,60", "full:60"),
                 (1.0, "20,26", "full:20"),
-            ] {
-                let request = request(incidence, azimuth, index);
-                let plan = Plan::new(&request).expect("a valid request");
-                let prepared = Prepared::new(cell.clone());
-                let exact = prepared.exact().expect("planar");
-                let bake = Bake::new(&prepared, &plan).expect("a bake");
-                let pits = exact.bodies.iter().map(pits).collect::<Option<Vec<_>>>();
-                let proof = Proof {
-                    pits: pits.expect("pits").concat(),
-                    entrance_area: exact.entrance_area(),
-                    rules: bake.rules,
-                    astray_rad: trial::ASTRAY_RAD,
-                };
-                for how in 0..3 {
-                    let table = bake.beams(exact, Watch::none()).expect("a table");
-                    let table = spoiled(table, how);
-                    let axes = &table.axes;
-                    let gaps = axes.incidence_deg.windows(2).flat_map(|i| {
-                        let azimuths = axes.azimuth_deg.windows(2);
-                        azimuths.map(move |a| [[i[0], i[1]], [a[0], a[1]]])
-                    });
-                    for gap in gaps {
-                        let [a, b] = gap.map(|[from, to]| 0.5 * (from + to));
-                        let families = table.families(a, b).expect("families");
-                        let found: Vec<(f64, f64)> = (0..SIDE * SIDE)
-                            .into_par_iter()
-                            .map(|k| {
-                                let place = [k / SIDE, k % SIDE].map(f64::from);
-                                let at = |axis: usize, part: f64| {
-                                    let [from, to] = gap[axis];
-                                    from + (place[axis] + part) / f64::from(SIDE) * (to - from)
-                                };
-                                let part = [0, 1].map(|axis| [at(axis, 0.0), at(axis, 1.0)]);
-                                let bound = bound(&proof, &families, gap, part);
-                                // Anywhere in the part, elsewhere in each.
-                                let inside = |k: u32| (0.37 + 0.618 * f64::from(k)).fract();
-                                let [i, a] = [at(0, inside(k)), at(1, inside(3 * k + 1))];
-                                (bound, trial::error(exact, &bake.rules, &table, i, a))
-                            })
-                            .collect();
-                        for (bound, error) in found {
-                            assert!(error <= bound, "{} {index} {how}: {gap:?}", cell.design);
-                            tried += 1;
-                            worst = worst.max(error);
-                            if error > 1e-3 && bound.is_finite() {
-                                ratios.push(bound / error);
-                                uneven += u32::from(which == 3);
-                            }
-                        }
+            ];
+            cases.map(|case| (which, case, ideal as Kind))
+        });
+        let lossy: [(usize, (f64, &str, &str), Kind); 6] = [
+            (0, (1.49, "0,20", "full:30"), aluminium),
+            (0, (1.0, "20,26", "full:20"), aluminium),
+            (3, (1.49, "10,14", "full:20"), aluminium),
+            (0, (1.49, "0,8", "full:30"), bare),
+            (0, (1.7, "0,30", "full:60"), total),
+            // Total reflection ends between 20 and 30 degrees.
+            (0, (1.49, "10,20,30", "full:30"), total),
+        ];
+        let (mut tried, mut ratios, mut worst) = (0, Vec::new(), 0.0_f64);
+        let (mut uneven, mut losses) = (0, 0);
+        for (number, (which, (index, incidence, azimuth), kind)) in plain.chain(lossy).enumerate() {
+            let request = kind(request(incidence, azimuth, index));
+            for how in 0..3 {
+                for (bound, error) in trials(&all[which], &request, how) {
+                    assert!(error <= bound, "case {number}, {how}: {error} {bound}");
+                    tried += 1;
+                    worst = worst.max(error);
+                    if error > 1e-3 && bound.is_finite() {
+                        ratios.push(bound / error);
+                        uneven += u32::from(which == 3);
+                        losses += u32::from(number >= 12);
                     }
                 }
             }
@@ -308,30 +388,39 @@ mod tests {
         let [least, middle] = [ratios[0], ratios[ratios.len() / 2]];
         println!(
             "{tried} directions, errors up to {worst:.3}; bound by error, of {} above 0.001 \
-             ({uneven} with dihedral errors): at least {least:.2}, median {middle:.1}",
+             ({uneven} with dihedral errors, {losses} of lossy facets): at least {least:.2}, \
+             median {middle:.1}",
             ratios.len()
         );
         assert!(tried > 5000 && worst > 0.05 && ratios.len() > 500 && uneven > 200);
+        assert!(losses > 100, "{losses}");
     }
 
     /// Tables whose directions were chosen are proved part by part: those of ideal cubes in no more
     /// directions than trials alone ask for.
     #[test]
     fn chosen_directions_are_proved() {
+        type Kind = fn(Request) -> Request;
         let mut proved = 0;
-        for (cell, index, steepest, tolerance, most) in [
-            (&cells()[0], 1.49, 45.0, 0.005, 6),
-            (&cells()[0], 1.0, 60.0, 0.005, 8),
-            (&cells()[0], 1.0, 60.0, 0.001, 8),
-            (&cells()[1], 1.49, 45.0, 0.005, 4),
-            (&cells()[2], 1.49, 45.0, 0.005, 9),
-            (&cells()[3], 1.0, 30.0, 0.005, 114),
-            (&cells()[3], 1.49, 38.0, 0.005, 15),
-        ] {
-            let request = Request {
+        let cases: [(usize, f64, f64, f64, Kind, usize); 11] = [
+            (0, 1.49, 45.0, 0.005, ideal, 6),
+            (0, 1.0, 60.0, 0.005, ideal, 8),
+            (0, 1.0, 60.0, 0.001, ideal, 8),
+            (1, 1.49, 45.0, 0.005, ideal, 4),
+            (2, 1.49, 45.0, 0.005, ideal, 9),
+            (3, 1.0, 30.0, 0.005, ideal, 114),
+            (3, 1.49, 38.0, 0.005, ideal, 15),
+            (0, 1.49, 38.0, 0.005, aluminium, 6),
+            (0, 1.0, 30.0, 0.005, aluminium, 30),
+            (0, 1.49, 10.0, 0.005, bare, 4),
+            (0, 1.49, 10.0, 0.005, total, 4),
+        ];
+        for (which, index, steepest, tolerance, kind, most) in cases {
+            let cell = &cells()[which];
+            let request = kind(Request {
                 direction_tolerance: Some(tolerance),
                 ..request(&format!("0,{steepest}"), "full", index)
-            };
+            });
             let plan = Plan::new(&request).expect("a valid request");
             let prepared = Prepared::new(cell.clone());
             let start = std::time::Instant::now();
@@ -347,7 +436,15 @@ mod tests {
                 Some(_) => ends.clone(),
                 None => ends.iter().copied().chain([ends[0] + width]).collect(),
             };
-            let bounds = parts(&proof, &table, &ends, tolerance, Watch::none()).expect("bounds");
+            let bounds = parts(
+                &proof,
+                &table,
+                &ends,
+                tolerance,
+                &mut Known::default(),
+                Watch::none(),
+            )
+            .expect("bounds");
             for part in &bounds.parts {
                 assert!(part.bound <= tolerance, "{}: {part:?}", cell.design);
                 proved += 1;
@@ -384,8 +481,10 @@ mod tests {
         assert!(class(&canted, plain).is_some());
         assert_eq!(class(&uneven, plain), Some(2));
         assert_eq!(class(&design("full-cube", |_| ()), plain), None);
-        assert_eq!(class(&pair, &|request| request.back = Back::Tir), None);
+        assert_eq!(class(&pair, &|request| request.back = Back::Tir), Some(2));
         let lossy = |request: &mut Request| request.losses = Losses::Fresnel;
-        assert_eq!(class(&pair, &lossy), None);
+        assert_eq!(class(&pair, &lossy), Some(2));
+        let trapped = |request: &mut Request| request.scene.front = Front::Trapped;
+        assert_eq!(class(&pair, &trapped), None);
     }
 }

@@ -10,7 +10,7 @@ use crate::lookup::between::{
 /// Everything is in the frame of azimuth 0, relative to the fixed point of the path's map, in edge
 /// lengths. A value at tau is the mean of those of the directions, weighted as the head of
 /// `lookup/between.rs` says.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Family {
     /// Lines that bound the polygon: for each, the directions that show it, as tau and (normal,
     /// offset). The polygon is where normal . p is at most the offset.
