@@ -74,6 +74,10 @@ pub(crate) fn bound(
     gap: [[f64; 2]; 2],
     [incidence, azimuth]: [[f64; 2]; 2],
 ) -> f64 {
+    // A patch covers less than half a turn.
+    if azimuth[1] - azimuth[0] >= 180.0 {
+        return f64::INFINITY;
+    }
     let patch = Patch::around(incidence, azimuth, proof.rules.refractive_index);
     let Some(mut seen) = sequences(proof, &patch) else {
         return f64::INFINITY;

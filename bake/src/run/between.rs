@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use tables::Table;
 use tables::cli::pool;
 
-/// Largest number of directions that are tried, so that a bake takes twice as long at most.
+/// Largest number of directions that are tried, so that large tables take hardly longer.
 const TRIED: usize = 64;
 
 /// Largest error of an interpolated table among directions that were tried.
