@@ -65,7 +65,7 @@ impl Trace<'_> {
             let _ = writeln!(
                 text,
                 "between directions: off by up to {:.2e} (total variation; {} tried), most at \
-                incidence {} deg, azimuth {} deg; --direction-tolerance chooses them",
+                incidence {} deg, azimuth {} deg; --direction-tolerance chooses directions",
                 own.error, own.tried, own.incidence_deg, own.azimuth_deg
             );
         }

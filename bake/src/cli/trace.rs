@@ -462,16 +462,12 @@ impl Job<'_> {
         };
         tables::commit(&table, output)?;
         saved.remove();
-        let bounded = table.provenance.direction_tolerance.is_some();
         let report = report::Trace {
             table: &table,
             file: self.file,
             seconds,
             proved,
-            between: match bounded {
-                true => None,
-                false => self.bake.between(&table),
-            },
+            between: self.bake.between(&table),
         };
         warn(report.warnings());
         if !args.json {

@@ -60,7 +60,7 @@ impl Proof {
 ///
 /// Each of these areas is that of an intersection of half-planes, and [`overlap`] bounds it. They
 /// count with the greatest weight of all. Where P and Q share light, their weights differ by what
-/// losses and jumps make of them ([`Group::lost`]). All together bound the L1 distance. Light goes
+/// losses and jumps make of them ([`Group::twice`]). All together bound the L1 distance. Light goes
 /// astray where a family is not near its map, or where no light has this map: then all of its light
 /// is in other sequences or outside of the entrance. Which sequence and which family belong
 /// together changes the bound, not its truth.
@@ -112,7 +112,7 @@ pub(crate) fn bound(
         // Nothing that counts as light here has a greater weight.
         let weights = group.light().map(|light| light.guess.weight(gap, part));
         let most = weights.fold(pit.weight, f64::max);
-        twice += most * group.twice() + group.lost(gap, part);
+        twice += group.twice(most, gap, part);
         for light in group.light() {
             astray += most
                 * if turned(&light, incidence[1], &proof.rules) < proof.astray_rad {

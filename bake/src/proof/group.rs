@@ -189,18 +189,33 @@ impl<'a> Group<'a> {
         })
     }
 
-    /// Returns a bound of twice the total variation, weights aside, as an area.
-    pub(crate) fn twice(&self) -> f64 {
-        let mut twice = 0.0;
+    /// Returns a bound of twice the total variation in the part of the gap given, as an area.
+    ///
+    /// `most` is the greatest weight of all light. What light has lost between a sequence and a
+    /// family counts by the area that they share.
+    pub(crate) fn twice(&self, most: f64, gap: [[f64; 2]; 2], part: [[f64; 2]; 2]) -> f64 {
+        let (mut twice, mut lost) = (0.0, 0.0);
         for truth in &self.truths {
             twice += self.uncovered(&truth.ever, &truth.lines, truth.family, &[]);
-            for (number, guess) in self.guesses.iter().enumerate() {
-                let (points, area) = self.shared(truth, guess, number == truth.family);
-                twice += 2.0 * self.crossing(truth, guess, &points, area);
-            }
         }
         for (number, guess) in self.guesses.iter().enumerate() {
             let area = polygon::area(&guess.ever);
+            // Weight lost by the areas of the sequences, and the greatest one.
+            let (mut sum, mut greatest) = (0.0, 0.0_f64);
+            for truth in &self.truths {
+                let (points, shared) = self.shared(truth, guess, number == truth.family);
+                twice += 2.0 * self.crossing(truth, guess, &points, shared);
+                if shared > 0.0 {
+                    let off = guess.guess.lost(truth.returned.weight, gap, part);
+                    if !off.is_finite() {
+                        return f64::INFINITY;
+                    }
+                    sum += off * shared;
+                    greatest = greatest.max(off);
+                }
+            }
+            // A point has one sequence.
+            lost += sum.min(greatest * area);
             twice += self.extra(guess).min(area);
             for (other, second) in self.guesses[..number].iter().enumerate() {
                 let fronts = self.fronts.iter();
@@ -212,7 +227,7 @@ impl<'a> Group<'a> {
                 twice += overlap_facing(&guess.ever, &guess.lines, &second.lines, &facing);
             }
         }
-        twice
+        most * twice + lost
     }
 
     /// Returns the families with what they may send astray.
@@ -312,29 +327,6 @@ impl<'a> Group<'a> {
             area = area.min(overlap(&points, &truth.lines, &guess.lines));
         }
         (points, area)
-    }
-
-    /// Returns a bound of the difference of the weights of sequences and families, times the areas
-    /// that they share, in the part of the gap given.
-    pub(crate) fn lost(&self, gap: [[f64; 2]; 2], part: [[f64; 2]; 2]) -> f64 {
-        let of = |(number, guess): (usize, &Placed<'_>)| {
-            let (mut sum, mut most) = (0.0, 0.0_f64);
-            for truth in &self.truths {
-                let (_, area) = self.shared(truth, guess, number == truth.family);
-                if area <= 0.0 {
-                    continue;
-                }
-                let off = guess.guess.lost(truth.returned.weight, gap, part);
-                if !off.is_finite() {
-                    return f64::INFINITY;
-                }
-                sum += off * area;
-                most = most.max(off);
-            }
-            // A point has one sequence.
-            sum.min(most * polygon::area(&guess.ever))
-        };
-        self.guesses.iter().enumerate().map(of).sum()
     }
 
     /// Returns a bound of the area of `points` whose light a sequence and a family send to

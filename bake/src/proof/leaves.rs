@@ -111,19 +111,11 @@ impl Search<'_> {
                 self.found.push(onward);
                 continue;
             }
-            match self.reflects(face, &beam) {
-                Some(true) => {}
-                Some(false) => {
-                    self.found.push(onward);
-                    continue;
-                }
-                None => {
-                    self.found.push(Leaf {
-                        open: true,
-                        ..onward
-                    });
-                    continue;
-                }
+            let reflects = self.reflects(face, &beam);
+            if reflects != Some(true) {
+                onward.open = reflects.is_none();
+                self.found.push(onward);
+                continue;
             }
             let mirror = |x: DVec3| x - 2.0 * face.normal.dot(x) * face.normal;
             let [x, y, z] =
@@ -137,10 +129,25 @@ impl Search<'_> {
 
     /// Returns whether light of a direction of the patch may meet the inside of `face`.
     fn faces_light(&self, face: &Face, beam: &Leaf) -> bool {
+        let [middle, s, t] = self.along(face, beam);
+        middle - s.abs() - t.abs() < 0.0
+    }
+
+    /// Returns the part of the light (tau, -1) of `beam` along the normal of `face`.
+    fn along(&self, face: &Face, beam: &Leaf) -> Affine {
         let normal = beam.linear.transpose() * face.normal;
         let along = normal.truncate();
-        let most = along.dot(self.patch.first).abs() + along.dot(self.patch.second).abs();
-        along.dot(self.patch.centre) - normal.z - most < 0.0
+        let Patch {
+            centre,
+            first,
+            second,
+            ..
+        } = *self.patch;
+        [
+            along.dot(centre) - normal.z,
+            along.dot(first),
+            along.dot(second),
+        ]
     }
 
     /// Returns whether `face` reflects light of all directions of the patch, or lets all of it
@@ -152,10 +159,8 @@ impl Search<'_> {
         if !self.rules.reflects_only_totally() {
             return Some(true);
         }
-        let normal = beam.linear.transpose() * face.normal;
-        let along = normal.truncate();
-        let middle = (along.dot(self.patch.centre) - normal.z).abs();
-        let change = along.dot(self.patch.first).abs() + along.dot(self.patch.second).abs();
+        let [middle, s, t] = self.along(face, beam);
+        let (middle, change) = (middle.abs(), s.abs() + t.abs());
         let limit = 1.0 - self.rules.refractive_index.powi(-2);
         let (far, near) = self.patch.distances(DVec2::ZERO);
         // Rounding decides within 1e-12 of the limit.

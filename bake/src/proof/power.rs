@@ -95,18 +95,14 @@ fn reflected(
     let cosine = -dot(travel, normal);
     let (straight, crossed) = match *backing {
         Backing::Mirror { reflectance } => {
-            let each = |of: Complex| Complex {
-                re: of.re * reflectance,
-                im: of.im * reflectance,
-            };
-            return fields.map(|row| row.map(each));
+            return fields.map(|row| row.map(|field| field * reflectance));
         }
         Backing::Metal(metal) => reflection(index, metal, cosine),
         Backing::Bare => reflection(index, Complex64::ONE, cosine),
     };
     let q = across(travel, normal, -cosine);
     let times = |row: &[Complex; 3]| {
-        let parts = [0, 1, 2].map(|k| row[k] * Complex::from(q[k]));
+        let parts = [0, 1, 2].map(|k| row[k] * q[k]);
         parts[0] + parts[1] + parts[2]
     };
     let seen = [0, 1, 2].map(|i| times(&fields[i]));
@@ -114,10 +110,10 @@ fn reflected(
     let (size, both) = (straight.squared(), straight * crossed.conjugate());
     let second = crossed.squared() * twice;
     let at = |i: usize, j: usize| {
-        let one = both * seen[i] * Complex::from(q[j]);
-        let other = both.conjugate() * seen[j].conjugate() * Complex::from(q[i]);
+        let one = both * seen[i] * q[j];
+        let other = both.conjugate() * seen[j].conjugate() * q[i];
         let square = Complex::from(second * q[i] * q[j]);
-        fields[i][j] * Complex::from(size) + one + other + square
+        fields[i][j] * size + one + other + square
     };
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(i, j)))
 }
@@ -129,9 +125,7 @@ fn reflection(from: f64, to: Complex64, cosine: Series) -> (Complex, Complex) {
     let onward = Complex::root(squared - from * from, from * from, cosine * cosine);
     let near = Complex::from(cosine * from);
     let s = (near + onward).reciprocal();
-    let p = (Complex::from(squared) * Complex::from(cosine)
-        + onward * Complex::from(Series::from(from)))
-    .reciprocal();
+    let p = (Complex::from(squared) * cosine + onward * from).reciprocal();
     let change = (squared - from * from) * (2.0 * from);
     ((near - onward) * s, Complex::from(change) * s * p)
 }

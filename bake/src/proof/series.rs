@@ -202,6 +202,28 @@ impl Mul for Complex {
     }
 }
 
+impl Mul<Series> for Complex {
+    type Output = Self;
+
+    fn mul(self, factor: Series) -> Self {
+        Complex {
+            re: self.re * factor,
+            im: self.im * factor,
+        }
+    }
+}
+
+impl Mul<f64> for Complex {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Complex {
+            re: self.re * factor,
+            im: self.im * factor,
+        }
+    }
+}
+
 impl Complex {
     pub(crate) fn conjugate(self) -> Self {
         Complex {
@@ -217,14 +239,9 @@ impl Complex {
 
     pub(crate) fn reciprocal(self) -> Self {
         let scale = self.squared().reciprocal();
-        Complex {
-            re: self.re * scale,
-            im: -(self.im * scale),
-        }
+        self.conjugate() * scale
     }
-}
 
-impl Complex {
     /// Returns the square root of `start` + `slope` x, the one whose imaginary part is not
     /// negative.
     ///

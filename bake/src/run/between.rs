@@ -24,12 +24,14 @@ pub(crate) struct Between {
 
 impl Bake<'_> {
     /// Compares `table` with the exact method between its directions, or returns `None` if it is
-    /// not exact or has no polygons that can be interpolated.
+    /// not exact, has a tolerance between its directions, or has no polygons that can be
+    /// interpolated.
     ///
     /// The middles between neighbouring incidences and between neighbouring azimuths are tried. Of
     /// more than [`TRIED`], evenly spaced ones are taken.
     pub(crate) fn between(&self, table: &Table) -> Option<Between> {
-        let exact = self.exact?;
+        let bounded = table.provenance.direction_tolerance.is_some();
+        let exact = self.exact.filter(|_| !bounded)?;
         let (incidences, azimuths) = (&table.axes.incidence_deg, &table.axes.azimuth_deg);
         let middles = |ends: &[f64]| -> Vec<f64> {
             let pairs = ends.windows(2);

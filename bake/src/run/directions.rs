@@ -140,20 +140,13 @@ impl<'a> Search<'a> {
 
     /// Returns the azimuths, followed by the end of the last gap where azimuths go all around.
     ///
-    /// A table also interpolates from its last azimuth on to its first if that gap is no wider than
-    /// its widest one.
+    /// So they do too where a table of a range of azimuths would be interpolated in that gap.
     fn azimuth_ends(&self) -> Vec<f64> {
-        let own = &self.azimuths;
-        let widest = own.windows(2).map(|pair| pair[1] - pair[0]);
-        let widest = widest.fold(0.0, f64::max);
-        let around = self.around_to.or_else(|| {
-            let [first, .., last] = own[..] else {
-                return None;
-            };
-            let full = self.bake.plan.full_step_deg.is_some();
-            (!full && first + 360.0 - last <= widest).then_some(first + 360.0)
-        });
-        own.iter().copied().chain(around).collect()
+        let full = self.bake.plan.full_step_deg.is_some();
+        let bridged = !full && self.axes(1).goes_around();
+        let around = bridged.then(|| self.azimuths[0] + 360.0);
+        let end = self.around_to.or(around);
+        self.azimuths.iter().copied().chain(end).collect()
     }
 
     /// Halves gaps until all directions that are tried are within the aim, and as long as that may

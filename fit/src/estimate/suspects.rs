@@ -64,12 +64,16 @@ pub struct Suspect {
 
 impl Suspect {
     /// Returns whether noise explains what is left without the mistake.
+    pub(crate) fn leaves_noise(&self) -> bool {
+        self.chi2_if_so - self.degrees_of_freedom_if_so as f64 <= self.noise()
+    }
+
+    /// Returns three standard deviations of the sum of squares, where only noise is left.
     ///
     /// A sum of n squares has the standard deviation sqrt(2 n). Noise goes beyond three of them in
     /// 2 of 1000 fits.
-    pub(crate) fn leaves_noise(&self) -> bool {
-        let freedom = self.degrees_of_freedom_if_so as f64;
-        self.chi2_if_so <= freedom + 3.0 * (2.0 * freedom).sqrt()
+    fn noise(&self) -> f64 {
+        3.0 * (2.0 * self.degrees_of_freedom_if_so as f64).sqrt()
     }
 }
 
@@ -137,8 +141,6 @@ struct Named {
     suspect: Suspect,
     /// Sum of squares of its fit, less its degrees of freedom, plus the cost of the alternative.
     left: f64,
-    /// Three standard deviations of that number, where only noise is left.
-    noise: f64,
 }
 
 /// Fit of an alternative to the MTFs.
@@ -187,7 +189,7 @@ impl Search<'_> {
             .map_or(0.0, |of| of.excess);
         let blurs = self.not_tried();
         let mut named = self.named(now, &blurs, 0)?;
-        if !named.iter().any(|own| own.left <= own.noise) {
+        if !named.iter().any(|own| own.left <= own.suspect.noise()) {
             named.extend(self.named(now, &self.alternatives(), blurs.len())?);
         }
         named.sort_by(|a, b| a.left.total_cmp(&b.left));
@@ -231,7 +233,6 @@ impl Search<'_> {
                     degrees_of_freedom_if_so: freedom(&fit),
                 },
                 left,
-                noise: 3.0 * (2.0 * freedom(&fit) as f64).sqrt(),
             })
         });
         Ok(named.collect())

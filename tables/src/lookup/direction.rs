@@ -13,6 +13,7 @@ use crate::error::no_direction::NoDirection;
 use crate::lookup::between;
 use crate::lookup::between::Node;
 use crate::lookup::family::{self, Family};
+use crate::table::axes::Axes;
 use crate::table::deviation::Exits;
 use crate::table::exact::{Exact, Path};
 use crate::table::polygon::area;
@@ -181,7 +182,7 @@ impl Table {
         let across = if self.axes.is_mean() {
             Some((0, 0, 0.0))
         } else {
-            around(&images, self.widest_gap_deg(), azimuth_deg)
+            around(&images, self.axes.widest_gap_deg(), azimuth_deg)
         };
         Some(Cell {
             table: self,
@@ -229,14 +230,6 @@ impl Table {
         });
         images.dedup_by(|b, a| b.azimuth_deg - a.azimuth_deg <= SAME_DEG);
         images
-    }
-
-    /// Returns the widest gap between neighbours of the azimuth axis, degrees.
-    ///
-    /// Wider gaps between images are not interpolated.
-    fn widest_gap_deg(&self) -> f64 {
-        let gaps = self.axes.azimuth_deg.windows(2);
-        gaps.map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
     }
 
     /// Makes the error for a direction outside of the table, with the nearest direction.
@@ -416,7 +409,7 @@ impl Cell<'_> {
     /// between.
     fn azimuths_around(&self) -> Vec<usize> {
         let count = self.images.len();
-        let widest = self.table.widest_gap_deg() + SAME_DEG;
+        let widest = self.table.axes.widest_gap_deg() + SAME_DEG;
         let gap = |from: usize, to: usize| {
             (self.images[to].azimuth_deg - self.images[from].azimuth_deg).rem_euclid(360.0)
         };
@@ -443,6 +436,24 @@ fn between(axis: &[f64], x: f64) -> Option<Bracket> {
         above,
         (x - axis[below]) / (axis[above] - axis[below]),
     ))
+}
+
+impl Axes {
+    /// Returns whether a table with these axes and without symmetry interpolates from its last
+    /// azimuth on to its first: if that gap is no wider than its widest one.
+    pub fn goes_around(&self) -> bool {
+        let [first, .., last] = self.azimuth_deg[..] else {
+            return false;
+        };
+        first + 360.0 - last <= self.widest_gap_deg() + SAME_DEG
+    }
+
+    /// Returns the widest gap between neighbouring azimuths, degrees. Wider gaps are not
+    /// interpolated.
+    fn widest_gap_deg(&self) -> f64 {
+        let gaps = self.azimuth_deg.windows(2);
+        gaps.map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
+    }
 }
 
 /// Returns the places of the images around an azimuth, or `None` if their gap is wider than

@@ -196,13 +196,8 @@ impl Search<'_> {
                 placed
             };
             let [first, second] = [one, other].map(|shot| {
-                let Aerial {
-                    image,
-                    incidence_deg,
-                    r_mm,
-                    ..
-                } = shot;
-                format!("{image} ({incidence_deg} deg, {r_mm} mm)")
+                let (deg, mm) = (shot.incidence_deg, shot.r_mm);
+                format!("{} ({deg} deg, {mm} mm)", shot.image)
             });
             let what = format!("{what} {first} and {second} are exchanged");
             self.add(all, what, &placed, None);
