@@ -1,16 +1,18 @@
 //! The bound of the error of an interpolated table over a patch of directions.
 
+use glam::{DMat2, DVec2, DVec3};
 use tables::Family;
 
 use crate::geometry::polygon;
 use crate::optics::{Backing, Rules};
 use crate::proof::group::{Group, Light};
 use crate::proof::guess::Guess;
-use crate::proof::leaves::leaves;
+use crate::proof::leaves::{Leaf, leaves};
 use crate::proof::moving::{Patch, most};
-use crate::proof::pairs::{Seen, pair};
+use crate::proof::pairs::{NEAR, Seen, apart, pair};
 use crate::proof::pits::Pit;
 use crate::proof::returned::Returned;
+use crate::proof::valleys::on_lattice;
 
 /// Added to each bound, as a share of the light: some thousand operations round numbers below 100
 /// by 1e-14 each, and slivers below `NO_AREA` are left out.
@@ -28,11 +30,13 @@ pub(crate) struct Proof {
 }
 
 impl Proof {
-    /// Returns whether a cube has one path for each order of its facets, and not one for all:
-    /// because facets are not at right angles, or because they polarise light.
-    pub(crate) fn has_many_paths(&self) -> bool {
+    /// Returns whether bounds are far above the errors: because a cube has one path for each order
+    /// of its facets, and not one for all (facets are not at right angles, or polarise light), or
+    /// because light crosses the walls of a lattice.
+    pub(crate) fn is_loose(&self) -> bool {
         let polarises = matches!(self.rules.losses, Some(Backing::Metal(_) | Backing::Bare));
-        polarises || !self.pits.iter().all(Pit::is_right)
+        let tight = |pit: &Pit| pit.is_right() && pit.lattice.is_none();
+        polarises || !self.pits.iter().all(tight)
     }
 }
 
@@ -79,13 +83,13 @@ pub(crate) fn bound(
         return f64::INFINITY;
     }
     let patch = Patch::around(incidence, azimuth, proof.rules.refractive_index);
-    let Some(mut seen) = sequences(proof, &patch) else {
-        return f64::INFINITY;
-    };
     let guesses: Vec<Guess<'_>> = families.iter().map(|f| Guess::new(f, &patch)).collect();
     if guesses.iter().any(|guess| !guess.is_finite()) {
         return f64::INFINITY;
     }
+    let Some(mut seen) = sequences(proof, &patch) else {
+        return f64::INFINITY;
+    };
     let kin = pair(&mut seen, &guesses, proof.astray_rad);
     // Twice the total variation, and the light astray, as areas. First comes what has no partner.
     let (mut twice, mut astray) = (0.0, 0.0);
@@ -147,16 +151,26 @@ fn turned(light: &Light<'_>, incidence_deg: f64, rules: &Rules) -> f64 {
 }
 
 /// Returns all sequences of all pits, or `None` if the way back of one cannot be enclosed.
+///
+/// A sequence of a lattice stands for all its copies. Those that return have nearly the map of
+/// some first one, moved by a vector of the lattice. They are moved back, so that copies of one
+/// cube are one cube, whatever period light enters by.
 fn sequences(proof: &Proof, patch: &Patch) -> Option<Vec<Seen>> {
-    let mut seen = Vec::new();
+    let mut seen: Vec<Seen> = Vec::new();
     for (number, pit) in proof.pits.iter().enumerate() {
-        for leaf in leaves(pit, patch, &proof.rules) {
+        for leaf in leaves(&proof.pits, number, patch, &proof.rules) {
+            let homes = seen.iter().filter(|one| one.leaf.returns);
+            let leaf = match pit.lattice {
+                Some(lattice) if leaf.returns => home(leaf, homes.map(|one| &one.leaf), lattice),
+                _ => leaf,
+            };
             let returned = match leaf.returns {
                 true => Some(Returned::of(&leaf, pit, patch, &proof.rules)?),
                 false => None,
             };
             seen.push(Seen {
-                pit: number,
+                // All pits of a lattice share one plane of entry points.
+                pit: if pit.lattice.is_some() { 0 } else { number },
                 leaf,
                 returned,
                 family: None,
@@ -165,4 +179,21 @@ fn sequences(proof: &Proof, patch: &Patch) -> Option<Vec<Seen>> {
         }
     }
     Some(seen)
+}
+
+/// Moves `leaf` by the vector of the lattice that gives it nearly the map of one of `homes`, or
+/// leaves it where it is if there is none.
+///
+/// A sequence that enters r further has the map y -> L y + shift + r - L r.
+fn home<'a>(leaf: Leaf, homes: impl Iterator<Item = &'a Leaf>, lattice: [DVec2; 2]) -> Leaf {
+    let across = |x: DVec3| x.truncate();
+    let [x, y] = [leaf.linear.x_axis, leaf.linear.y_axis].map(across);
+    let way = DMat2::from_cols(DVec2::X - x, DVec2::Y - y).inverse();
+    let moved = homes.filter_map(|one| {
+        let step = on_lattice(way * across(one.shift - leaf.shift), lattice)?;
+        let moved = leaf.moved(step);
+        (apart(&moved, one) < NEAR).then_some(moved)
+    });
+    let found = { moved }.next();
+    found.unwrap_or(leaf)
 }

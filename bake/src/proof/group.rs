@@ -90,6 +90,43 @@ fn box_around(polygon: &[DVec2], place: [DVec2; 3], error: f64) -> [DVec2; 4] {
     [from, DVec2::new(to.x, from.y), to, DVec2::new(from.x, to.y)]
 }
 
+/// Returns the vectors of `lattice` that may bring points in a box onto one of `polygons`.
+fn steps<'a>(
+    around: &[DVec2; 4],
+    polygons: impl Iterator<Item = &'a Polygon>,
+    [a, b]: [DVec2; 2],
+) -> Vec<DVec2> {
+    let area = a.perp_dot(b);
+    let [low, _, high, _] = *around;
+    let mut found: Vec<DVec2> = Vec::new();
+    for polygon in polygons.filter(|polygon| !polygon.is_empty()) {
+        let (from, to) = polygon::bounds(polygon);
+        let (least, most) = (from - high, to - low);
+        let corners = [
+            least,
+            DVec2::new(most.x, least.y),
+            most,
+            DVec2::new(least.x, most.y),
+        ];
+        let range = |of: &dyn Fn(DVec2) -> f64| {
+            let ends = corners.map(|corner| of(corner) / area);
+            let least = ends.into_iter().fold(f64::INFINITY, f64::min);
+            let most = ends.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            least.ceil() as i64..=most.floor() as i64
+        };
+        for i in range(&|x| x.perp_dot(b)) {
+            for j in range(&|x| a.perp_dot(x)) {
+                let step = i as f64 * a + j as f64 * b;
+                let near = step.cmpge(least).all() && step.cmple(most).all();
+                if near && !found.contains(&step) {
+                    found.push(step);
+                }
+            }
+        }
+    }
+    found
+}
+
 /// Returns the lines between the families.
 ///
 /// Let both be seen from the first fixed point. Then the function of the second changes by its
@@ -174,17 +211,33 @@ impl<'a> Group<'a> {
                 lines,
             })
         };
-        let own = |number: &usize| kin.sequences.contains(number);
-        let others = (0..seen.len()).filter(|n| seen[*n].pit == seen[start].pit && !own(n));
         let guesses: Option<Vec<Placed<'_>>> = kin.families.iter().map(placed).collect();
         let guesses = guesses?;
+        let own = |number: usize| kin.sequences.contains(&number);
+        let mut others = Vec::new();
+        for number in (0..seen.len()).filter(|&number| seen[number].pit == seen[start].pit) {
+            let around = || box_around(&seen[number].leaf.ever, back, origin.error);
+            let steps = match pit.lattice {
+                Some(lattice) => steps(&around(), guesses.iter().map(|guess| &guess.ever), lattice),
+                None => vec![DVec2::ZERO],
+            };
+            let lines = frame(number);
+            // Copies of the truths are others, for they are not where the truths are.
+            let elsewhere = |step: &DVec2| !own(number) || *step != DVec2::ZERO;
+            for step in steps.into_iter().filter(elsewhere) {
+                others.push(lines.iter().map(|line| line.moved(step)).collect());
+            }
+        }
         Some(Group {
             truths: truths?,
             fronts: fronts(&guesses, patch),
             guesses,
-            others: others.map(frame).collect(),
-            // The first lines of every sequence are those of the entrance.
-            rim: frame(start)[..pit.door().len()].to_vec(),
+            others,
+            // The first lines of every sequence are those of the entrance. A lattice has no rim.
+            rim: match pit.lattice {
+                Some(_) => Vec::new(),
+                None => frame(start)[..pit.door().len()].to_vec(),
+            },
             patch,
         })
     }

@@ -5,16 +5,30 @@
 //! Q is where (Q - P) x (p - P) = 0. In it the squares of tau cancel, so it is affine in tau: no
 //! approximation is made.
 
+use std::collections::BTreeMap;
+
 use glam::{DMat3, DVec2, DVec3};
 
-use crate::geometry::{Polygon, polygon};
+use crate::geometry::{HalfPlane, Polygon, polygon};
 use crate::optics::{Leaving, Rules};
-use crate::proof::moving::{Affine, Moving, Patch, ever};
-use crate::proof::pits::{Face, Pit};
+use crate::proof::moving::{Affine, CORNERS, Moving, Patch, ever};
+use crate::proof::pits::{Beyond, Face, Pit};
 
 /// Number of reflections after which a sequence is left open. Light of pits with nearly right
 /// angles takes 3, and slivers of it 5.
 const DEEP: usize = 9;
+
+/// Number of walls after which a sequence is left open. Only light that runs along the sheet
+/// crosses as many.
+const FAR: usize = 12;
+
+/// Number of times that the front sends light back after which a sequence is left open.
+const PASSES: usize = 32;
+
+/// Number of faces that are passed in all, the widest light first. Sequences that are still under
+/// way then are left open. Light of a small patch passes some hundreds. Light that runs almost along
+/// walls, or close to where several meet, passes thousands, each with hardly any light.
+const MOST: usize = 600;
 
 /// Largest area that counts as none, square edge lengths.
 pub(crate) const NO_AREA: f64 = 1e-11;
@@ -24,6 +38,8 @@ pub(crate) const NO_AREA: f64 = 1e-11;
 pub(crate) struct Leaf {
     /// Half-planes of the entrance whose intersection takes this sequence.
     pub lines: Vec<Moving>,
+    /// Directions (s, t) of the patch in which light may take the sequence.
+    pub when: Polygon,
     /// Holds all entry points that ever take the sequence.
     pub ever: Polygon,
     /// Linear part of the map from unfolded to real space.
@@ -38,14 +54,38 @@ pub(crate) struct Leaf {
     pub open: bool,
 }
 
-/// Returns the sequences that light of `patch` may take. Sequences that none takes may be among
-/// them.
+impl Leaf {
+    /// Returns this light after a reflection by `face`, moved by `step`.
+    fn reflected(mut self, face: &Face, step: DVec2) -> Leaf {
+        let mirror = |x: DVec3| x - 2.0 * face.normal.dot(x) * face.normal;
+        let offset = face.offset + face.normal.dot(step.extend(0.0));
+        self.normals.push(self.linear.transpose() * face.normal);
+        let [x, y, z] = [self.linear.x_axis, self.linear.y_axis, self.linear.z_axis].map(mirror);
+        self.linear = DMat3::from_cols(x, y, z);
+        self.shift = mirror(self.shift) + 2.0 * offset * face.normal;
+        self
+    }
+
+    /// Returns this light as it enters one `step` of the lattice further.
+    pub(crate) fn moved(&self, step: DVec2) -> Leaf {
+        let way = step.extend(0.0);
+        Leaf {
+            lines: self.lines.iter().map(|line| line.moved(step)).collect(),
+            ever: self.ever.iter().map(|&x| x + step).collect(),
+            shift: self.shift + way - self.linear * way,
+            ..self.clone()
+        }
+    }
+}
+
+/// Returns the sequences that light of `patch` may take from the opening of the pit `start`.
+/// Sequences that none takes may be among them.
 ///
 /// A ray in a pit meets exactly one face next. So in each direction the sequences share the whole
 /// entrance, each point once, and a sequence's points are those whose light meets its faces one
-/// after the other.
-pub(crate) fn leaves(pit: &Pit, patch: &Patch, rules: &Rules) -> Vec<Leaf> {
-    let door = pit.door();
+/// after the other. Walls are faces too: light of one order of mirrors may take several sequences.
+pub(crate) fn leaves(pits: &[Pit], start: usize, patch: &Patch, rules: &Rules) -> Vec<Leaf> {
+    let door = pits[start].door();
     let edges = door.iter().zip(door.iter().cycle().skip(1));
     let lines = edges.map(|(&a, &b)| {
         let edge = b - a;
@@ -55,8 +95,9 @@ pub(crate) fn leaves(pit: &Pit, patch: &Patch, rules: &Rules) -> Vec<Leaf> {
             error: 0.0,
         }
     });
-    let start = Leaf {
+    let beam = Leaf {
         lines: lines.collect(),
+        when: CORNERS.map(DVec2::from_array).to_vec(),
         ever: door.clone(),
         linear: DMat3::IDENTITY,
         shift: DVec3::ZERO,
@@ -64,73 +105,184 @@ pub(crate) fn leaves(pit: &Pit, patch: &Patch, rules: &Rules) -> Vec<Leaf> {
         returns: false,
         open: false,
     };
-    let mut found = Vec::new();
     let mut search = Search {
-        pit,
+        pits,
+        height: pits[start].height,
         patch,
         rules,
         leaving: Leaving::new(rules),
-        found: &mut found,
+        pending: BTreeMap::new(),
+        waited: 0,
+        found: Vec::new(),
     };
-    search.follow(start, pit.faces.len() - 1, 0);
-    found
+    search.wait(Under {
+        beam,
+        pit: start,
+        step: DVec2::ZERO,
+        last: pits[start].faces.len() - 1,
+        walls: 0,
+        passes: 0,
+        doubtful: false,
+    });
+    let mut passed = 0;
+    while let Some((_, under)) = search.pending.pop_last() {
+        if passed < MOST && !under.is_deep() {
+            passed += search.follow(&under);
+        } else {
+            let open = true;
+            search.found.push(Leaf { open, ..under.beam });
+        }
+    }
+    search.found
+}
+
+/// Light under way.
+struct Under {
+    /// The faces that it met.
+    beam: Leaf,
+    /// Number of the pit that it is in.
+    pit: usize,
+    /// Lattice vector by which that pit is moved.
+    step: DVec2,
+    /// Number of the face that it comes from.
+    last: usize,
+    /// Number of walls that it crossed.
+    walls: usize,
+    /// Number of times that the front has sent it back.
+    passes: usize,
+    /// True if the front sends it back in some directions only. Light that leaves after that may
+    /// leave, or not.
+    doubtful: bool,
+}
+
+impl Under {
+    /// Returns whether the light is followed no further.
+    fn is_deep(&self) -> bool {
+        let rounds = self.passes + 1;
+        let met = self.beam.normals.len();
+        met >= DEEP * rounds || self.walls >= FAR * rounds || rounds > PASSES
+    }
 }
 
 struct Search<'a> {
-    pit: &'a Pit,
+    pits: &'a [Pit],
+    height: f64,
     patch: &'a Patch,
     rules: &'a Rules,
     leaving: Leaving,
-    found: &'a mut Vec<Leaf>,
+    /// Light under way, by its area, whose bits have the order of positive numbers, and by the
+    /// number of those before it.
+    pending: BTreeMap<(u64, usize), Under>,
+    waited: usize,
+    found: Vec<Leaf>,
 }
 
 impl Search<'_> {
-    /// Follows the light of `beam`, which comes from the face `last` after `reflections`.
-    fn follow(&mut self, beam: Leaf, last: usize, reflections: usize) {
-        if reflections == DEEP {
-            self.found.push(Leaf { open: true, ..beam });
-            return;
-        }
-        let door = self.pit.faces.len() - 1;
-        for (which, face) in self.pit.faces.iter().enumerate() {
-            if which == last || !self.faces_light(face, &beam) {
+    /// Puts light among that which is under way.
+    fn wait(&mut self, under: Under) {
+        let area = polygon::area(&under.beam.ever);
+        self.waited += 1;
+        self.pending.insert((area.to_bits(), self.waited), under);
+    }
+
+    /// Follows light to the faces that it meets next. Returns their number.
+    fn follow(&mut self, under: &Under) -> usize {
+        let Under {
+            ref beam,
+            pit,
+            step,
+            last,
+            walls,
+            passes,
+            doubtful,
+        } = *under;
+        let pits = self.pits;
+        let mut met = 0;
+        for (which, face) in pits[pit].faces.iter().enumerate() {
+            if which == last {
                 continue;
             }
-            let lines = self.lines(face, &beam, reflections % 2 == 1);
+            let when = self.when(face, beam);
+            if when.is_empty() {
+                continue;
+            }
+            let lines = self.lines(face, step, beam);
             let seen = ever(&beam.ever, &lines);
             if polygon::area(&seen) <= NO_AREA {
                 continue;
             }
-            let mut onward = Leaf {
+            met += 1;
+            let mut beam = Leaf {
                 ever: seen,
+                when,
                 ..beam.clone()
             };
-            onward.lines.extend(lines);
-            if which == door {
-                onward.returns = reflections > 0 && self.leaving.is_near(beam.linear);
-                self.found.push(onward);
-                continue;
+            beam.lines.extend(lines);
+            let onward = |beam: Leaf| Under {
+                beam,
+                pit,
+                step,
+                last: which,
+                walls,
+                passes,
+                doubtful,
+            };
+            match face.beyond {
+                Beyond::Pit {
+                    number,
+                    face,
+                    step: way,
+                } => self.wait(Under {
+                    pit: number,
+                    step: step + way,
+                    last: face,
+                    walls: walls + 1,
+                    ..onward(beam)
+                }),
+                Beyond::Mirror => match self.reflects(face, &beam) {
+                    Some(true) => self.wait(onward(beam.reflected(face, step))),
+                    reflects => {
+                        beam.open = reflects.is_none();
+                        self.found.push(beam);
+                    }
+                },
+                Beyond::Front => {
+                    let trapped = self.sends_back(face, &beam);
+                    let doubtful = doubtful || trapped.is_none();
+                    if trapped != Some(false) {
+                        self.wait(Under {
+                            passes: passes + 1,
+                            doubtful,
+                            ..onward(beam.clone().reflected(face, step))
+                        });
+                    }
+                    if trapped != Some(true) {
+                        let returns = !beam.normals.is_empty() && self.leaving.is_near(beam.linear);
+                        beam.returns = returns && !doubtful;
+                        beam.open = returns && doubtful;
+                        self.found.push(beam);
+                    }
+                }
             }
-            let reflects = self.reflects(face, &beam);
-            if reflects != Some(true) {
-                onward.open = reflects.is_none();
-                self.found.push(onward);
-                continue;
-            }
-            let mirror = |x: DVec3| x - 2.0 * face.normal.dot(x) * face.normal;
-            let [x, y, z] =
-                [beam.linear.x_axis, beam.linear.y_axis, beam.linear.z_axis].map(mirror);
-            onward.normals.push(beam.linear.transpose() * face.normal);
-            onward.linear = DMat3::from_cols(x, y, z);
-            onward.shift = mirror(beam.shift) + 2.0 * face.offset * face.normal;
-            self.follow(onward, which, reflections + 1);
         }
+        met
     }
 
-    /// Returns whether light of a direction of the patch may meet the inside of `face`.
-    fn faces_light(&self, face: &Face, beam: &Leaf) -> bool {
+    /// Returns the directions (s, t) whose light may meet the inside of `face`.
+    fn when(&self, face: &Face, beam: &Leaf) -> Polygon {
         let [middle, s, t] = self.along(face, beam);
-        middle - s.abs() - t.abs() < 0.0
+        if middle - s.abs() - t.abs() >= 0.0 {
+            return Polygon::new();
+        }
+        let meets = HalfPlane {
+            gradient: DVec2::new(s, t),
+            anchor: DVec2::ZERO,
+            constant: middle,
+        };
+        if beam.when.iter().all(|&x| meets.value(x) <= 0.0) {
+            return beam.when.clone();
+        }
+        polygon::clip(&beam.when, [meets])
     }
 
     /// Returns the part of the light (tau, -1) of `beam` along the normal of `face`.
@@ -152,13 +304,30 @@ impl Search<'_> {
 
     /// Returns whether `face` reflects light of all directions of the patch, or lets all of it
     /// through; `None` if it may differ.
+    fn reflects(&self, face: &Face, beam: &Leaf) -> Option<bool> {
+        if self.rules.reflects_only_totally() {
+            self.is_total(face, beam)
+        } else {
+            Some(true)
+        }
+    }
+
+    /// Returns whether the front `face` sends light of all directions of the patch back inside, or
+    /// lets all of it out; `None` if it may differ.
+    fn sends_back(&self, face: &Face, beam: &Leaf) -> Option<bool> {
+        if self.rules.follows_the_front() {
+            self.is_total(face, beam)
+        } else {
+            Some(false)
+        }
+    }
+
+    /// Returns whether light of all directions of the patch is reflected totally by `face`, or none;
+    /// `None` if it may differ.
     ///
     /// Light along (tau, -1) is reflected totally if its cosine c from the normal has c^2 < 1 -
     /// 1/n^2. Over the length 1 / cos(incidence) of that vector, c is affine in tau.
-    fn reflects(&self, face: &Face, beam: &Leaf) -> Option<bool> {
-        if !self.rules.reflects_only_totally() {
-            return Some(true);
-        }
+    fn is_total(&self, face: &Face, beam: &Leaf) -> Option<bool> {
         let [middle, s, t] = self.along(face, beam);
         let (middle, change) = (middle.abs(), s.abs() + t.abs());
         let limit = 1.0 - self.rules.refractive_index.powi(-2);
@@ -176,19 +345,17 @@ impl Search<'_> {
         }
     }
 
-    /// Returns the half-planes of the entry points whose light goes through `face`.
+    /// Returns the half-planes of the entry points whose light goes through `face`, moved by `step`.
     ///
     /// They hold where the light meets the inside of the face. Elsewhere no light of the beam goes
     /// through it, so that they claim too much at worst. An odd number of reflections turns the
     /// outline over.
-    fn lines(&self, face: &Face, beam: &Leaf, turned: bool) -> Vec<Moving> {
+    fn lines(&self, face: &Face, step: DVec2, beam: &Leaf) -> Vec<Moving> {
         let fold = beam.linear.transpose();
-        let mut corners: Vec<DVec3> = face
-            .corners
-            .iter()
-            .map(|&x| fold * (x - beam.shift))
-            .collect();
-        if turned {
+        let way = step.extend(0.0) - beam.shift;
+        let corners = face.corners.iter().map(|&x| fold * (x + way));
+        let mut corners: Vec<DVec3> = corners.collect();
+        if beam.normals.len() % 2 == 1 {
             corners.reverse();
         }
         let next = corners.iter().cycle().skip(1);
@@ -200,7 +367,7 @@ impl Search<'_> {
     fn through(&self, p: DVec3, q: DVec3) -> Option<Moving> {
         let (a, edge) = (p.truncate(), (q - p).truncate());
         // Depths below the entrance, and how they differ.
-        let (deep, deeper) = (self.pit.height - p.z, p.z - q.z);
+        let (deep, deeper) = (self.height - p.z, p.z - q.z);
         if edge.length() + deeper.abs() < 1e-9 {
             return None;
         }

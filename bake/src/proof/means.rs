@@ -47,6 +47,7 @@ pub(crate) fn enclose<const N: usize>(
     values: &[([f64; 2], [f64; N])],
     patch: &Patch,
 ) -> Enclosed<N> {
+    let values = &shared(values);
     let places: Vec<DVec2> = values
         .iter()
         .map(|(tau, _)| DVec2::from_array(*tau))
@@ -107,6 +108,18 @@ pub(crate) fn enclose<const N: usize>(
         };
         (value, error + 16.0 * rounding)
     })
+}
+
+/// Gives all values of one tau their mean, which leaves the mean at any tau as it is: their weights
+/// are equal. At normal incidence all azimuths are one tau, and their values differ by rounding.
+fn shared<const N: usize>(values: &[([f64; 2], [f64; N])]) -> Vec<([f64; 2], [f64; N])> {
+    let mean = |(tau, first): &([f64; 2], [f64; N])| {
+        let alike = || values.iter().filter(|(other, _)| other == tau);
+        let count = alike().count() as f64;
+        let beyond = |k: usize| alike().map(|(_, value)| value[k] - first[k]).sum::<f64>();
+        (*tau, std::array::from_fn(|k| first[k] + beyond(k) / count))
+    };
+    values.iter().map(mean).collect()
 }
 
 /// Weight that is affine in tau: its value in the middle of the patch, and its slope.

@@ -1,4 +1,5 @@
-//! Proved bounds of the error of an interpolated table, for cells of convex pits.
+//! Proved bounds of the error of an interpolated table, for cells of convex pits, alone or in a
+//! lattice.
 //!
 //! A cell, a patch of directions and what the table knows there enter. An upper bound of the error
 //! in every direction of the patch leaves; see [`bound::bound`] for the statement and its proof.
@@ -17,6 +18,10 @@ mod pits;
 mod power;
 mod returned;
 mod series;
+mod valleys;
 
 pub(crate) use bound::{Proof, bound};
 pub(crate) use pits::{Pit, pits};
+pub(crate) use valleys::valleys;
+#[cfg(test)]
+pub(crate) use {leaves::leaves, moving::Patch};

@@ -19,8 +19,14 @@ pub(crate) struct Patch {
     pub turn: f64,
 }
 
+/// Number of slices of a strip between two lines.
+const SLICES: u32 = 8;
+
+/// Part of the area of points that a strip must be below to be worth slices.
+const WORTH: f64 = 4.0;
+
 /// Corners of (s, t).
-const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+pub(crate) const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
 impl Patch {
     /// Returns the patch around all directions between two incidences and two azimuths, degrees.
@@ -101,6 +107,14 @@ impl Moving {
             offset: self.offset.map(|x| -x),
             normal: self.normal.map(|x| -x),
             error: self.error,
+        }
+    }
+
+    /// Returns the half-plane moved by `step`.
+    pub(crate) fn moved(&self, step: DVec2) -> Moving {
+        Moving {
+            offset: [0, 1, 2].map(|k| self.offset[k] - self.normal[k].dot(step)),
+            ..*self
         }
     }
 
@@ -219,21 +233,21 @@ pub(crate) fn overlap_facing(
     } else {
         ever(within, second.iter().chain(first))
     };
-    let mut least = polygon::area(&points);
-    if least <= 0.0 {
+    let area = polygon::area(&points);
+    if area <= 0.0 {
         return 0.0;
     }
-    for f in first {
-        for g in second {
-            if let Some(facing) = Facing::of(f, g)
-                && let Some(area) = strip(&points, &facing)
-            {
-                least = least.min(area);
-            }
-        }
-    }
-    let strips = facing.iter().filter_map(|facing| strip(&points, facing));
-    strips.fold(least, f64::min)
+    let pairs = first
+        .iter()
+        .flat_map(|f| second.iter().map(move |g| (f, g)));
+    let pairs = pairs.filter_map(|(f, g)| Facing::of(f, g));
+    let strips = facing.iter().copied().chain(pairs);
+    let strips = strips.filter_map(|facing| Some((strip(&points, &facing)?, facing)));
+    let best = strips.min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((strip, facing)) = best.filter(|(strip, _)| *strip < WORTH * area) else {
+        return area;
+    };
+    sliced(&points, &facing).min(strip).min(area)
 }
 
 impl Facing {
@@ -264,6 +278,31 @@ impl Facing {
             sum: self.sum.beyond(),
         }
     }
+}
+
+/// Returns a bound of the area of `points` between two lines that face each other: the sum of those
+/// of slices across the lines, for a strip is wide in few of them. It is infinite if the lines turn
+/// too much.
+fn sliced(points: &[DVec2], facing: &Facing) -> f64 {
+    let along = facing.line.normal[0].normalize_or_zero().perp();
+    let places = || points.iter().map(|x| x.dot(along));
+    let from = places().fold(f64::INFINITY, f64::min);
+    let to = places().fold(f64::NEG_INFINITY, f64::max);
+    let end = |k: u32| from + f64::from(k) / f64::from(SLICES) * (to - from);
+    let beyond = |place: f64, sign: f64| HalfPlane {
+        gradient: sign * along,
+        anchor: DVec2::ZERO,
+        constant: -sign * place,
+    };
+    let slice = |k: u32| {
+        let part = polygon::clip(points, [beyond(end(k), -1.0), beyond(end(k + 1), 1.0)]);
+        if part.is_empty() {
+            return 0.0;
+        }
+        let area = polygon::area(&part);
+        strip(&part, facing).map_or(f64::INFINITY, |strip| strip.min(area))
+    };
+    (0..SLICES).map(slice).sum()
 }
 
 /// Returns a bound of the area of `points` between two lines that face each other, or `None` if

@@ -9,7 +9,7 @@ use crate::proof::returned::Returned;
 
 /// Greatest difference of the maps of two sequences that are compared together. Light of such
 /// sequences goes nearly the same way, whichever of them it takes.
-const NEAR: f64 = 0.1;
+pub(crate) const NEAR: f64 = 0.1;
 
 /// Sequence of facets, of one of the pits, whose light returns or not.
 pub(crate) struct Seen {
@@ -32,7 +32,7 @@ pub(crate) struct Kin {
 }
 
 /// Returns the difference of the maps of two sequences of one pit.
-fn apart(a: &Leaf, b: &Leaf) -> f64 {
+pub(crate) fn apart(a: &Leaf, b: &Leaf) -> f64 {
     let turn: f64 = (a.linear - b.linear)
         .to_cols_array()
         .iter()

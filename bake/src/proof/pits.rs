@@ -1,15 +1,36 @@
-//! Cells whose light stays in convex pits, each closed by facets and one opening.
+//! Convex pits, each closed by mirrors, an opening and walls between it and its neighbours.
+//!
+//! Light of a cell without a lattice stays in the pit that it enters. In a lattice it crosses walls
+//! ([`valleys`](crate::proof::valleys)).
 
 use glam::{DVec2, DVec3};
 
-use crate::cell::Body;
+use crate::cell::{Body, Facet};
 use crate::geometry::polygon;
 
 /// Greatest distance of two corners that count as one, edge lengths: far above rounding, far below
 /// any facet.
-const SAME: f64 = 1e-9;
+pub(crate) const SAME: f64 = 1e-9;
 
-/// Face of a pit: a mirror, or the opening.
+/// What lies beyond a face of a pit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Beyond {
+    /// Nothing: the face is a mirror.
+    Mirror,
+    /// The front face.
+    Front,
+    /// Another pit. Light enters it through the face.
+    Pit {
+        /// Number of that pit.
+        number: usize,
+        /// Number of the face there.
+        face: usize,
+        /// Lattice vector by which that pit is moved, edge lengths.
+        step: DVec2,
+    },
+}
+
+/// Face of a pit.
 #[derive(Debug, Clone)]
 pub(crate) struct Face {
     /// Corners, counter-clockwise seen from inside.
@@ -18,17 +39,42 @@ pub(crate) struct Face {
     pub normal: DVec3,
     /// Offset of the plane normal . x = offset.
     pub offset: f64,
+    pub beyond: Beyond,
+}
+
+impl Face {
+    /// Returns a facet as a mirror.
+    pub(crate) fn of(facet: &Facet) -> Self {
+        Face {
+            corners: facet.corners.clone(),
+            normal: facet.normal,
+            offset: facet.offset,
+            beyond: Beyond::Mirror,
+        }
+    }
+
+    /// Returns an opening at `height`; its corners run clockwise seen from above.
+    pub(crate) fn front(corners: Vec<DVec3>, height: f64) -> Self {
+        Face {
+            corners,
+            normal: DVec3::NEG_Z,
+            offset: -height,
+            beyond: Beyond::Front,
+        }
+    }
 }
 
 /// Greatest difference of two maps that count as one, and greatest cosine of planes at a right
 /// angle. Products of three reflections round by some 1e-15; light would be off by 1e-11 rad.
 pub(crate) const STRAIGHT: f64 = 1e-11;
 
-/// Convex body of air or glass between mirrors and an opening.
+/// Convex body of air or glass between mirrors, walls and an opening.
 #[derive(Debug, Clone)]
 pub(crate) struct Pit {
-    /// Mirrors, and the opening as the last face.
+    /// Mirrors, walls, and the opening as the last face.
     pub faces: Vec<Face>,
+    /// Vectors of the lattice in which light goes from pit to pit; `None` if it stays in one.
+    pub lattice: Option<[DVec2; 2]>,
     /// Height of the opening, edge lengths.
     pub height: f64,
     /// Frequency of the pit, relative to the most frequent body.
@@ -42,9 +88,23 @@ impl Pit {
         last.corners.iter().rev().map(|x| x.truncate()).collect()
     }
 
+    /// Returns the faces that reflect light.
+    pub(crate) fn mirrors(&self) -> impl Iterator<Item = &Face> {
+        self.faces
+            .iter()
+            .filter(|face| face.beyond == Beyond::Mirror)
+    }
+
+    /// Returns whether no point of the pit lies behind one of its faces.
+    pub(crate) fn is_convex(&self) -> bool {
+        let points = || self.faces.iter().flat_map(|face| &face.corners);
+        let before = |face: &Face| points().all(|x| face.normal.dot(*x) >= face.offset - SAME);
+        self.faces.iter().all(before)
+    }
+
     /// Returns whether all mirrors are at right angles.
     pub(crate) fn is_right(&self) -> bool {
-        let mirrors = &self.faces[..self.faces.len() - 1];
+        let mirrors: Vec<&Face> = self.mirrors().collect();
         mirrors.iter().enumerate().all(|(number, one)| {
             let before = &mirrors[..number];
             before
@@ -108,14 +168,7 @@ fn holds(corners: &[DVec3], edge: &[DVec3; 2]) -> bool {
 fn pit(body: &Body, own: &[usize]) -> Option<Pit> {
     let mut faces: Vec<Face> = own
         .iter()
-        .map(|&which| {
-            let facet = &body.facets[which];
-            Face {
-                corners: facet.corners.clone(),
-                normal: facet.normal,
-                offset: facet.offset,
-            }
-        })
+        .map(|&which| Face::of(&body.facets[which]))
         .collect();
     let all: Vec<[DVec3; 2]> = faces.iter().flat_map(|face| edges(&face.corners)).collect();
     let mut rim: Vec<[DVec3; 2]> = all
@@ -135,19 +188,12 @@ fn pit(body: &Body, own: &[usize]) -> Option<Pit> {
     if !rim.is_empty() || !level {
         return None;
     }
-    faces.push(Face {
-        corners,
-        normal: DVec3::NEG_Z,
-        offset: -body.height,
-    });
-    let points = || faces.iter().flat_map(|face| &face.corners);
-    let convex = faces
-        .iter()
-        .all(|face| points().all(|x| face.normal.dot(*x) >= face.offset - SAME));
+    faces.push(Face::front(corners, body.height));
     let pit = Pit {
+        lattice: None,
         height: body.height,
         weight: body.weight,
         faces,
     };
-    (convex && polygon::is_convex(&pit.door())).then_some(pit)
+    (pit.is_convex() && polygon::is_convex(&pit.door())).then_some(pit)
 }

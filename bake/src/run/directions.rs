@@ -34,17 +34,17 @@ const AIM: f64 = 0.8;
 /// Number of random directions that are tried at the end.
 pub(crate) const TRIED: u64 = 2000;
 
-/// Part of the tolerance that the search aims at before it looks for a proof of a cell whose cubes
-/// have one path for each order of their facets. Its bounds are above the errors by up to half of
-/// the tolerance.
+/// Part of the tolerance that the search aims at before it looks for a proof of a cell whose bounds
+/// are above the errors by up to half of the tolerance ([`Proof::is_loose`]).
 const AIM_OF_PROOF: f64 = 0.4;
 
-/// Largest number of directions with which a proof is looked for.
-const MOST_PROVED: usize = 300;
+/// Largest number of directions with which a proof is looked for. Full cubes with dihedral errors
+/// need the most.
+const MOST_PROVED: usize = 600;
 
 /// Number of parts of gaps that are looked at before the tolerance counts as not provable: a minute
-/// or two of one core.
-const MOST_LOOKED: usize = 60_000;
+/// or two of one core for cubes that do not see each other, and up to five for lattices.
+const MOST_LOOKED: usize = 100_000;
 
 /// Largest number of directions.
 ///
@@ -185,7 +185,7 @@ impl<'a> Search<'a> {
             };
             if tried.is_none() {
                 tried = Some((self.incidences.clone(), self.azimuths.clone()));
-                if proof.has_many_paths() {
+                if proof.is_loose() {
                     self.aim = AIM_OF_PROOF * self.tolerance;
                     continue;
                 }
