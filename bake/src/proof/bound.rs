@@ -14,9 +14,10 @@ use crate::proof::pits::Pit;
 use crate::proof::returned::Returned;
 use crate::proof::valleys::on_lattice;
 
-/// Added to each bound, as a share of the light: some thousand operations round numbers below 100
-/// by 1e-14 each, and slivers below `NO_AREA` are left out.
-const ROUNDING: f64 = 1e-8;
+/// Added to each bound, as a share of the light. Some thousand operations round numbers below 100
+/// by 1e-14 each. Corners that count as one are up to 1e-9 apart, so at each of some tens of faces
+/// that light passes, up to 1e-9 of it could pass beside.
+const ROUNDING: f64 = 1e-7;
 
 /// Cell that a proof is about, and the rules of its light.
 #[derive(Debug, Clone)]
@@ -53,8 +54,8 @@ impl Proof {
 /// point, and not on where light enters. Let P be the polygon of s, Q that of f. Take the light of
 /// a point p of the entrance, true and interpolated, weights aside:
 ///
-/// - In no P: it counts once for each Q with p in it. It lies in another sequence of the pit, or
-///   outside of the entrance ([`Group::extra`]).
+/// - In no P: it counts once for each Q with p in it. It lies in another sequence of the pit, in a
+///   copy of a sequence of the lattice, or outside of the entrance ([`Group::extra`]).
 /// - In one P, and in no Q: it counts once ([`Group::uncovered`]).
 /// - In one P, and in some Q: let one of these Q send it where it belongs, or twice its light
 ///   counts, out of one bin and into another. It is the family that stands for s if p is in its Q,
@@ -68,6 +69,12 @@ impl Proof {
 /// astray where a family is not near its map, or where no light has this map: then all of its light
 /// is in other sequences or outside of the entrance. Which sequence and which family belong
 /// together changes the bound, not its truth.
+///
+/// **In a lattice** the copies of all sequences of all pits tile the plane of the entrance in each
+/// direction. Each sequence counts once, at any one of its places, for a shift does not depend on
+/// the period. The places chosen are disjoint, as sequences are disjoint in a period. So the choice
+/// changes the bound, not its truth. Sequences that are left open count with all of their light, and
+/// what was left out as hardly any light counts as if a family had it too.
 ///
 /// For ideal pits all maps of a group are one, and one family has all of its light.
 ///
@@ -87,12 +94,12 @@ pub(crate) fn bound(
     if guesses.iter().any(|guess| !guess.is_finite()) {
         return f64::INFINITY;
     }
-    let Some(mut seen) = sequences(proof, &patch) else {
+    let Some((mut seen, dropped)) = sequences(proof, &patch) else {
         return f64::INFINITY;
     };
     let kin = pair(&mut seen, &guesses, proof.astray_rad);
     // Twice the total variation, and the light astray, as areas. First comes what has no partner.
-    let (mut twice, mut astray) = (0.0, 0.0);
+    let (mut twice, mut astray) = (2.0 * dropped, dropped);
     let light = seen.iter().filter(|one| one.leaf.returns || one.leaf.open);
     for one in light.filter(|one| one.family.is_none()) {
         twice += proof.pits[one.pit].weight * polygon::area(&one.leaf.ever);
@@ -150,15 +157,19 @@ fn turned(light: &Light<'_>, incidence_deg: f64, rules: &Rules) -> f64 {
     2.0 * index / up * off
 }
 
-/// Returns all sequences of all pits, or `None` if the way back of one cannot be enclosed.
+/// Returns all sequences of all pits, and a bound of the area of the light that they leave out, or
+/// `None` if the way back of one cannot be enclosed.
 ///
 /// A sequence of a lattice stands for all its copies. Those that return have nearly the map of
 /// some first one, moved by a vector of the lattice. They are moved back, so that copies of one
 /// cube are one cube, whatever period light enters by.
-fn sequences(proof: &Proof, patch: &Patch) -> Option<Vec<Seen>> {
-    let mut seen: Vec<Seen> = Vec::new();
+fn sequences(proof: &Proof, patch: &Patch) -> Option<(Vec<Seen>, f64)> {
+    let (mut seen, mut dropped): (Vec<Seen>, f64) = (Vec::new(), 0.0);
     for (number, pit) in proof.pits.iter().enumerate() {
-        for leaf in leaves(&proof.pits, number, patch, &proof.rules) {
+        let (all, rest) = leaves(&proof.pits, number, patch, &proof.rules);
+        // Weights of bodies are 1 at most.
+        dropped += rest;
+        for leaf in all {
             let homes = seen.iter().filter(|one| one.leaf.returns);
             let leaf = match pit.lattice {
                 Some(lattice) if leaf.returns => home(leaf, homes.map(|one| &one.leaf), lattice),
@@ -169,7 +180,8 @@ fn sequences(proof: &Proof, patch: &Patch) -> Option<Vec<Seen>> {
                 false => None,
             };
             seen.push(Seen {
-                // All pits of a lattice share one plane of entry points.
+                // All pits of a lattice share one plane of entry points. A cell with a lattice has
+                // one body.
                 pit: if pit.lattice.is_some() { 0 } else { number },
                 leaf,
                 returned,
@@ -178,7 +190,7 @@ fn sequences(proof: &Proof, patch: &Patch) -> Option<Vec<Seen>> {
             });
         }
     }
-    Some(seen)
+    Some((seen, dropped))
 }
 
 /// Moves `leaf` by the vector of the lattice that gives it nearly the map of one of `homes`, or

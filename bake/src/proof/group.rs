@@ -29,7 +29,8 @@ pub(crate) struct Group<'a> {
     truths: Vec<Truth<'a>>,
     guesses: Vec<Placed<'a>>,
     fronts: Vec<Front>,
-    /// Half-planes of the sequences of the pit that are not among the truths.
+    /// Half-planes of the sequences of the pit, and of all copies in a lattice, that are not among
+    /// the truths.
     others: Vec<Vec<Moving>>,
     /// Half-planes of the entrance.
     rim: Vec<Moving>,
@@ -222,7 +223,7 @@ impl<'a> Group<'a> {
                 None => vec![DVec2::ZERO],
             };
             let lines = frame(number);
-            // Copies of the truths are others, for they are not where the truths are.
+            // A copy of a truth has another map, so light that a family has there is misplaced.
             let elsewhere = |step: &DVec2| !own(number) || *step != DVec2::ZERO;
             for step in steps.into_iter().filter(elsewhere) {
                 others.push(lines.iter().map(|line| line.moved(step)).collect());

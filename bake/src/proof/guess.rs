@@ -4,7 +4,7 @@ use glam::DVec2;
 use tables::Family;
 
 use crate::geometry::Polygon;
-use crate::proof::means::{Enclosed, enclose};
+use crate::proof::means::{Enclosed, enclose, shared};
 use crate::proof::moving::{Affine, Moving, Patch, ever, most};
 use crate::proof::returned::Returned;
 
@@ -76,8 +76,11 @@ impl<'a> Guess<'a> {
     /// so is their sum. It hardly changes, however far the lines turn.
     pub(crate) fn facing(&self, other: &Guess<'_>, patch: &Patch) -> Vec<(usize, usize, Moving)> {
         let mut found = Vec::new();
+        // At normal incidence several directions are one tau.
+        let theirs: Vec<_> = other.family.lines.iter().map(|line| shared(line)).collect();
         for (ours, line) in self.family.lines.iter().enumerate() {
-            for (theirs, across) in other.family.lines.iter().enumerate() {
+            let line = shared(line);
+            for (theirs, across) in theirs.iter().enumerate() {
                 let sum = |(tau, own): &([f64; 2], [f64; 3])| {
                     let (_, facing) = across.iter().find(|(at, _)| at == tau)?;
                     let sum = [0, 1, 2].map(|k| own[k] + facing[k]);

@@ -14,12 +14,12 @@ use crate::optics::{Leaving, Rules};
 use crate::proof::moving::{Affine, CORNERS, Moving, Patch, ever};
 use crate::proof::pits::{Beyond, Face, Pit};
 
-/// Number of reflections after which a sequence is left open. Light of pits with nearly right
-/// angles takes 3, and slivers of it 5.
+/// Number of reflections after which a sequence is left open, for each time that it comes from the
+/// front. Light of pits with nearly right angles takes 3, and slivers of it 5.
 const DEEP: usize = 9;
 
-/// Number of walls after which a sequence is left open. Only light that runs along the sheet
-/// crosses as many.
+/// Number of walls after which a sequence is left open, for each time that it comes from the front.
+/// Only light that runs along the sheet crosses as many.
 const FAR: usize = 12;
 
 /// Number of times that the front sends light back after which a sequence is left open.
@@ -38,6 +38,8 @@ pub(crate) const NO_AREA: f64 = 1e-11;
 pub(crate) struct Leaf {
     /// Half-planes of the entrance whose intersection takes this sequence.
     pub lines: Vec<Moving>,
+    /// Numbers of the faces that it meets.
+    pub faces: Vec<usize>,
     /// Directions (s, t) of the patch in which light may take the sequence.
     pub when: Polygon,
     /// Holds all entry points that ever take the sequence.
@@ -84,7 +86,9 @@ impl Leaf {
 /// A ray in a pit meets exactly one face next. So in each direction the sequences share the whole
 /// entrance, each point once, and a sequence's points are those whose light meets its faces one
 /// after the other. Walls are faces too: light of one order of mirrors may take several sequences.
-pub(crate) fn leaves(pits: &[Pit], start: usize, patch: &Patch, rules: &Rules) -> Vec<Leaf> {
+///
+/// The second value bounds the area of the light that was left out because it was hardly any.
+pub(crate) fn leaves(pits: &[Pit], start: usize, patch: &Patch, rules: &Rules) -> (Vec<Leaf>, f64) {
     let door = pits[start].door();
     let edges = door.iter().zip(door.iter().cycle().skip(1));
     let lines = edges.map(|(&a, &b)| {
@@ -97,6 +101,7 @@ pub(crate) fn leaves(pits: &[Pit], start: usize, patch: &Patch, rules: &Rules) -
     });
     let beam = Leaf {
         lines: lines.collect(),
+        faces: Vec::new(),
         when: CORNERS.map(DVec2::from_array).to_vec(),
         ever: door.clone(),
         linear: DMat3::IDENTITY,
@@ -114,6 +119,7 @@ pub(crate) fn leaves(pits: &[Pit], start: usize, patch: &Patch, rules: &Rules) -
         pending: BTreeMap::new(),
         waited: 0,
         found: Vec::new(),
+        dropped: 0.0,
     };
     search.wait(Under {
         beam,
@@ -133,7 +139,9 @@ pub(crate) fn leaves(pits: &[Pit], start: usize, patch: &Patch, rules: &Rules) -
             search.found.push(Leaf { open, ..under.beam });
         }
     }
-    search.found
+    // Sequences of equal areas keep an order that does not change from patch to patch.
+    search.found.sort_by(|a, b| a.faces.cmp(&b.faces));
+    (search.found, search.dropped)
 }
 
 /// Light under way.
@@ -150,8 +158,8 @@ struct Under {
     walls: usize,
     /// Number of times that the front has sent it back.
     passes: usize,
-    /// True if the front sends it back in some directions only. Light that leaves after that may
-    /// leave, or not.
+    /// True if the front sends it back in some directions only. If such light returns, it is left
+    /// open, also where it leaves at that very meeting.
     doubtful: bool,
 }
 
@@ -175,6 +183,7 @@ struct Search<'a> {
     pending: BTreeMap<(u64, usize), Under>,
     waited: usize,
     found: Vec<Leaf>,
+    dropped: f64,
 }
 
 impl Search<'_> {
@@ -208,7 +217,9 @@ impl Search<'_> {
             }
             let lines = self.lines(face, step, beam);
             let seen = ever(&beam.ever, &lines);
-            if polygon::area(&seen) <= NO_AREA {
+            let area = polygon::area(&seen);
+            if area <= NO_AREA {
+                self.dropped += area.max(0.0);
                 continue;
             }
             met += 1;
@@ -218,6 +229,7 @@ impl Search<'_> {
                 ..beam.clone()
             };
             beam.lines.extend(lines);
+            beam.faces.push(which);
             let onward = |beam: Leaf| Under {
                 beam,
                 pit,
@@ -246,26 +258,31 @@ impl Search<'_> {
                         self.found.push(beam);
                     }
                 },
-                Beyond::Front => {
-                    let trapped = self.sends_back(face, &beam);
-                    let doubtful = doubtful || trapped.is_none();
-                    if trapped != Some(false) {
-                        self.wait(Under {
-                            passes: passes + 1,
-                            doubtful,
-                            ..onward(beam.clone().reflected(face, step))
-                        });
-                    }
-                    if trapped != Some(true) {
-                        let returns = !beam.normals.is_empty() && self.leaving.is_near(beam.linear);
-                        beam.returns = returns && !doubtful;
-                        beam.open = returns && doubtful;
-                        self.found.push(beam);
-                    }
-                }
+                Beyond::Front => self.leave(face, onward(beam)),
             }
         }
         met
+    }
+
+    /// Ends light that meets the front `face`, or sends it back inside.
+    fn leave(&mut self, face: &Face, under: Under) {
+        let total = self.sends_back(face, &under.beam);
+        let doubtful = under.doubtful || total.is_none();
+        if total != Some(false) {
+            self.wait(Under {
+                beam: under.beam.clone().reflected(face, under.step),
+                passes: under.passes + 1,
+                doubtful,
+                ..under
+            });
+        }
+        if total != Some(true) {
+            let mut beam = under.beam;
+            let returns = !beam.normals.is_empty() && self.leaving.is_near(beam.linear);
+            beam.returns = returns && !doubtful;
+            beam.open = returns && doubtful;
+            self.found.push(beam);
+        }
     }
 
     /// Returns the directions (s, t) whose light may meet the inside of `face`.
@@ -347,9 +364,10 @@ impl Search<'_> {
 
     /// Returns the half-planes of the entry points whose light goes through `face`, moved by `step`.
     ///
-    /// They hold where the light meets the inside of the face. Elsewhere no light of the beam goes
-    /// through it, so that they claim too much at worst. An odd number of reflections turns the
-    /// outline over.
+    /// Where the light meets the inside of the face, its outline runs counter-clockwise. (An odd
+    /// number of reflections turns it over.) Elsewhere it runs the other way, and the half-planes
+    /// outside of a polygon have no point in common. So the lines claim no light that is not there,
+    /// also for directions that [`Leaf::when`] leaves out.
     fn lines(&self, face: &Face, step: DVec2, beam: &Leaf) -> Vec<Moving> {
         let fold = beam.linear.transpose();
         let way = step.extend(0.0) - beam.shift;

@@ -112,7 +112,7 @@ pub(crate) fn enclose<const N: usize>(
 
 /// Gives all values of one tau their mean, which leaves the mean at any tau as it is: their weights
 /// are equal. At normal incidence all azimuths are one tau, and their values differ by rounding.
-fn shared<const N: usize>(values: &[([f64; 2], [f64; N])]) -> Vec<([f64; 2], [f64; N])> {
+pub(crate) fn shared<const N: usize>(values: &[([f64; 2], [f64; N])]) -> Vec<([f64; 2], [f64; N])> {
     let mean = |(tau, first): &([f64; 2], [f64; N])| {
         let alike = || values.iter().filter(|(other, _)| other == tau);
         let count = alike().count() as f64;

@@ -22,7 +22,7 @@ pub(crate) struct Patch {
 /// Number of slices of a strip between two lines.
 const SLICES: u32 = 8;
 
-/// Part of the area of points that a strip must be below to be worth slices.
+/// Multiple of the area of points that a strip must be below to be worth slices.
 const WORTH: f64 = 4.0;
 
 /// Corners of (s, t).
@@ -280,9 +280,11 @@ impl Facing {
     }
 }
 
-/// Returns a bound of the area of `points` between two lines that face each other: the sum of those
-/// of slices across the lines, for a strip is wide in few of them. It is infinite if the lines turn
-/// too much.
+/// Returns a bound of the area of `points` between two lines that face each other; it is infinite
+/// if the lines turn too much.
+///
+/// The bound of [`strip`] holds for the points of each slice across the lines, with the least of the
+/// sum in that slice. The strip is wide in few of them, so their sum is less.
 fn sliced(points: &[DVec2], facing: &Facing) -> f64 {
     let along = facing.line.normal[0].normalize_or_zero().perp();
     let places = || points.iter().map(|x| x.dot(along));
@@ -320,6 +322,10 @@ fn strip(points: &[DVec2], facing: &Facing) -> Option<f64> {
         let at = sum.offset[0] + sum.normal[0].dot(x);
         let [s, t] = sum.change(x);
         least = least.min(at - s.abs() - t.abs());
+    }
+    // What is not a number bounds nothing.
+    if !(sum.error - least).is_finite() {
+        return None;
     }
     let width = (sum.error - least).max(0.0) / (steep * (1.0 - turn));
     let across = f.normal[0] / steep;

@@ -13,17 +13,18 @@ pub(crate) const NEAR: f64 = 0.1;
 
 /// Sequence of facets, of one of the pits, whose light returns or not.
 pub(crate) struct Seen {
+    /// Number of the pit that its light enters; 0 for all pits of a lattice.
     pub pit: usize,
     pub leaf: Leaf,
     pub returned: Option<Returned>,
     /// Number of the family that stands for it.
     pub family: Option<usize>,
-    /// Number of the first sequence of the pit with its map.
+    /// Number of the first sequence of the pit, or of the lattice, with its map.
     pub first: usize,
 }
 
-/// Returning sequences of one pit whose maps differ by little, and the families that stand for
-/// them.
+/// Returning sequences of one pit, or of one lattice, whose maps differ by little, and the families
+/// that stand for them.
 pub(crate) struct Kin {
     /// Numbers of the sequences.
     pub sequences: Vec<usize>,

@@ -17,7 +17,8 @@ type Place = (usize, DVec2);
 /// Edge of a facet of the base period: number of the facet, number of its edge.
 type Edge = (usize, usize);
 
-/// Pit under construction, and the edges below its walls. Walls stand behind the mirrors.
+/// Pit under construction, and the edges below its walls. Its faces are the mirrors, then the walls
+/// in the order of these edges, then the opening.
 struct Valley {
     pit: Pit,
     walls: Vec<(Edge, DVec2)>,
@@ -54,6 +55,8 @@ pub(crate) fn valleys(body: &Body, lattice: [DVec2; 2]) -> Option<Vec<Pit>> {
         }
         found.push(closed);
     }
+    // A closed surface that faces up lies at least once over each point of the period, so with its
+    // area it lies there just once.
     let doors: f64 = found.iter().map(|one| polygon::area(&one.pit.door())).sum();
     if (doors - body.entrance_area).abs() > SAME * body.entrance_area {
         return None;
