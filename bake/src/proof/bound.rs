@@ -73,8 +73,8 @@ impl Proof {
 /// **In a lattice** the copies of all sequences of all pits tile the plane of the entrance in each
 /// direction. Each sequence counts once, at any one of its places, for a shift does not depend on
 /// the period. The places chosen are disjoint, as sequences are disjoint in a period. So the choice
-/// changes the bound, not its truth. Sequences that are left open count with all of their light, and
-/// what was left out as hardly any light counts as if a family had it too.
+/// changes the bound, not its truth. Sequences that are left open count with all of their light,
+/// and what was left out as hardly any light counts as if a family had it too.
 ///
 /// For ideal pits all maps of a group are one, and one family has all of its light.
 ///

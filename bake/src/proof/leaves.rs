@@ -26,8 +26,8 @@ const FAR: usize = 12;
 const PASSES: usize = 32;
 
 /// Number of faces that are passed in all, the widest light first. Sequences that are still under
-/// way then are left open. Light of a small patch passes some hundreds. Light that runs almost along
-/// walls, or close to where several meet, passes thousands, each with hardly any light.
+/// way then are left open. Light of a small patch passes some hundreds. Light that runs almost
+/// along walls, or close to where several meet, passes thousands, each with hardly any light.
 const MOST: usize = 600;
 
 /// Largest area that counts as none, square edge lengths.
@@ -339,8 +339,8 @@ impl Search<'_> {
         }
     }
 
-    /// Returns whether light of all directions of the patch is reflected totally by `face`, or none;
-    /// `None` if it may differ.
+    /// Returns whether light of all directions of the patch is reflected totally by `face`, or
+    /// none; `None` if it may differ.
     ///
     /// Light along (tau, -1) is reflected totally if its cosine c from the normal has c^2 < 1 -
     /// 1/n^2. Over the length 1 / cos(incidence) of that vector, c is affine in tau.
@@ -362,7 +362,8 @@ impl Search<'_> {
         }
     }
 
-    /// Returns the half-planes of the entry points whose light goes through `face`, moved by `step`.
+    /// Returns the half-planes of the entry points whose light goes through `face`, moved by
+    /// `step`.
     ///
     /// Where the light meets the inside of the face, its outline runs counter-clockwise. (An odd
     /// number of reflections turns it over.) Elsewhere it runs the other way, and the half-planes

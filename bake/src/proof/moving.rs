@@ -283,8 +283,8 @@ impl Facing {
 /// Returns a bound of the area of `points` between two lines that face each other; it is infinite
 /// if the lines turn too much.
 ///
-/// The bound of [`strip`] holds for the points of each slice across the lines, with the least of the
-/// sum in that slice. The strip is wide in few of them, so their sum is less.
+/// The bound of [`strip`] holds for the points of each slice across the lines, with the least of
+/// the sum in that slice. The strip is wide in few of them, so their sum is less.
 fn sliced(points: &[DVec2], facing: &Facing) -> f64 {
     let along = facing.line.normal[0].normalize_or_zero().perp();
     let places = || points.iter().map(|x| x.dot(along));

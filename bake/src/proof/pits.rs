@@ -12,7 +12,7 @@ use crate::geometry::polygon;
 /// any facet.
 pub(crate) const SAME: f64 = 1e-9;
 
-/// What lies beyond a face of a pit.
+/// Neighbour of a pit behind one of its faces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Beyond {
     /// Nothing: the face is a mirror.

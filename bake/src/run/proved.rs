@@ -67,8 +67,8 @@ impl Known {
 /// The class has convex pits of three facets, alone or in a lattice ([`valleys`]), with losses or
 /// without. The facets need not be at right angles: their six orders are then six paths with nearly
 /// one map, whose polygons are bounded together ([`bound`]). What the interpolation mistakes for a
-/// neighbour's light goes to nearly the same place. With errors of milliradians even that may be too
-/// much, and the search falls back to trials. Others are kept out:
+/// neighbour's light goes to nearly the same place. With errors of milliradians even that may be
+/// too much, and the search falls back to trials. Others are kept out:
 ///
 /// - A front that sends a part of the light back at every angle splits each sequence again and
 ///   again. A front that reflects totally, or not at all, is in the class.
@@ -234,7 +234,8 @@ mod tests {
             .expect("a cell")
     }
 
-    /// Returns cells of convex pits: alone, and two lattices. The fourth and the last have dihedral errors.
+    /// Returns cells of convex pits: four alone, and two lattices. The fourth and the last have
+    /// dihedral errors.
     fn cells() -> [Cell; 6] {
         let uneven = |design: &mut Design| design.dihedral_error_rad = [5e-4, 0.0, -3e-4];
         [
