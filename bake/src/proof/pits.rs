@@ -1,7 +1,7 @@
 //! Convex pits, each closed by mirrors, an opening and walls between it and its neighbours.
 //!
 //! Light of a cell without a lattice stays in the pit that it enters. In a lattice it crosses walls
-//! ([`valleys`](crate::proof::valleys)).
+//! ([`valleys`](crate::proof::valleys())).
 
 use glam::{DVec2, DVec3};
 
