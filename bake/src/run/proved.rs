@@ -150,10 +150,14 @@ pub(crate) fn parts(
             families: &families,
             ends: gap,
             tolerance,
+            watch,
             found: Vec::new(),
             looked: 0,
         };
         search.divide(gap, HALVINGS);
+        if watch.is_stopped() {
+            return None;
+        }
         let Gap { found, looked, .. } = search;
         Some((gap, families, found, looked))
     };
@@ -179,6 +183,8 @@ struct Gap<'a> {
     /// Incidences and azimuths, degrees.
     ends: [[f64; 2]; 2],
     tolerance: f64,
+    /// Asked before each part: a gap of a lattice may take ten seconds.
+    watch: Watch<'a>,
     /// Parts with a bound.
     found: Vec<Part>,
     /// Number of parts looked at.
@@ -187,8 +193,11 @@ struct Gap<'a> {
 
 impl Gap<'_> {
     /// Bounds the error in `part`, in quarters where the bound is above the tolerance, `left` times
-    /// at most. Returns whether all of the part is proved.
+    /// at most. Returns whether all of the part is proved; it is not if the watch stopped.
     fn divide(&mut self, part: [[f64; 2]; 2], left: usize) -> bool {
+        if self.watch.is_stopped() {
+            return false;
+        }
         let bound = bound(self.proof, self.families, self.ends, part);
         self.looked += 1;
         if bound <= self.tolerance || left == 0 || self.looked >= MOST_PARTS {
