@@ -201,11 +201,11 @@ fn home<'a>(leaf: Leaf, homes: impl Iterator<Item = &'a Leaf>, lattice: [DVec2; 
     let across = |x: DVec3| x.truncate();
     let [x, y] = [leaf.linear.x_axis, leaf.linear.y_axis].map(across);
     let way = DMat2::from_cols(DVec2::X - x, DVec2::Y - y).inverse();
-    let moved = homes.filter_map(|one| {
+    let mut moved = homes.filter_map(|one| {
         let step = on_lattice(way * across(one.shift - leaf.shift), lattice)?;
         let moved = leaf.moved(step);
         (apart(&moved, one) < NEAR).then_some(moved)
     });
-    let found = { moved }.next();
+    let found = moved.next();
     found.unwrap_or(leaf)
 }

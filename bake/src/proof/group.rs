@@ -222,11 +222,13 @@ impl<'a> Group<'a> {
                 Some(lattice) => steps(&around(), guesses.iter().map(|guess| &guess.ever), lattice),
                 None => vec![DVec2::ZERO],
             };
-            let lines = frame(number);
             // A copy of a truth has another map, so light that a family has there is misplaced.
             let elsewhere = |step: &DVec2| !own(number) || *step != DVec2::ZERO;
-            for step in steps.into_iter().filter(elsewhere) {
-                others.push(lines.iter().map(|line| line.moved(step)).collect());
+            let mut steps = steps.into_iter().filter(elsewhere).peekable();
+            if steps.peek().is_some() {
+                let lines = frame(number);
+                others
+                    .extend(steps.map(|step| lines.iter().map(|line| line.moved(step)).collect()));
             }
         }
         Some(Group {
