@@ -47,6 +47,12 @@ impl Rules {
         self.front == Front::Trapped
     }
 
+    /// Returns whether the front face sends a part of the light back inside that goes on, whatever
+    /// its direction.
+    pub(crate) fn splits_at_the_front(&self) -> bool {
+        self.follows_the_front() && self.losses.is_some()
+    }
+
     /// Returns whether the front face reflects all light that comes along `travel`, the unit
     /// direction inside, and the light goes on.
     pub(crate) fn is_trapped(&self, travel: DVec3) -> bool {

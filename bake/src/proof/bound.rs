@@ -4,7 +4,7 @@ use glam::{DMat2, DVec2, DVec3};
 use tables::Family;
 
 use crate::geometry::polygon;
-use crate::optics::{Backing, Rules};
+use crate::optics::{Backing, LEAST_POWER, Rules};
 use crate::proof::group::{Group, Light};
 use crate::proof::guess::Guess;
 use crate::proof::leaves::{Leaf, leaves};
@@ -99,10 +99,24 @@ pub(crate) fn bound(
     };
     let kin = pair(&mut seen, &guesses, proof.astray_rad);
     // Twice the total variation, and the light astray, as areas. First comes what has no partner.
-    let (mut twice, mut astray) = (2.0 * dropped, dropped);
+    // Families of each number of passes may have light that was left out, or that the exact method
+    // gives up.
+    let most_passes = guesses.iter().map(|guess| guess.passes).max();
+    let layers = 1.0 + most_passes.unwrap_or_default() as f64;
+    let given_up = match proof.rules.splits_at_the_front() {
+        true => LEAST_POWER * proof.entrance_area,
+        false => 0.0,
+    };
+    let left_out = dropped + given_up;
+    let (mut twice, mut astray) = ((1.0 + layers) * left_out, layers * left_out);
     let light = seen.iter().filter(|one| one.leaf.returns || one.leaf.open);
     for one in light.filter(|one| one.family.is_none()) {
-        twice += proof.pits[one.pit].weight * polygon::area(&one.leaf.ever);
+        let weight = proof.pits[one.pit].weight;
+        let weight = match &one.returned {
+            Some(returned) => returned.most_weight(weight),
+            None => weight * one.leaf.power,
+        };
+        twice += weight * polygon::area(&one.leaf.ever);
     }
     let stands = |family: usize| {
         let mut all = kin.iter().flat_map(|kin| &kin.families);
@@ -122,7 +136,7 @@ pub(crate) fn bound(
         let part = [incidence, azimuth];
         // Nothing that counts as light here has a greater weight.
         let weights = group.light().map(|light| light.guess.weight(gap, part));
-        let most = weights.fold(pit.weight, f64::max);
+        let most = weights.fold(group.most_weight(pit.weight), f64::max);
         twice += group.twice(most, gap, part);
         for light in group.light() {
             astray += most
@@ -170,7 +184,9 @@ fn sequences(proof: &Proof, patch: &Patch) -> Option<(Vec<Seen>, f64)> {
         // Weights of bodies are 1 at most.
         dropped += rest;
         for leaf in all {
-            let homes = seen.iter().filter(|one| one.leaf.returns);
+            let passes = leaf.passes;
+            let same = |one: &&Seen| one.leaf.returns && one.leaf.passes == passes;
+            let homes = seen.iter().filter(same);
             let leaf = match pit.lattice {
                 Some(lattice) if leaf.returns => home(leaf, homes.map(|one| &one.leaf), lattice),
                 _ => leaf,

@@ -216,7 +216,7 @@ impl<'a> Group<'a> {
         let guesses = guesses?;
         let own = |number: usize| kin.sequences.contains(&number);
         let mut others = Vec::new();
-        for number in (0..seen.len()).filter(|&number| seen[number].pit == seen[start].pit) {
+        for number in (0..seen.len()).filter(|&number| seen[number].shares(&seen[start])) {
             let around = || box_around(&seen[number].leaf.ever, back, origin.error);
             let steps = match pit.lattice {
                 Some(lattice) => steps(&around(), guesses.iter().map(|guess| &guess.ever), lattice),
@@ -284,6 +284,13 @@ impl<'a> Group<'a> {
             }
         }
         most * twice + lost
+    }
+
+    /// Returns a bound of the weight of all sequences, `limit` at most.
+    pub(crate) fn most_weight(&self, limit: f64) -> f64 {
+        let weights = self.truths.iter();
+        let weights = weights.map(|truth| truth.returned.most_weight(limit));
+        weights.fold(0.0, f64::max)
     }
 
     /// Returns the families with what they may send astray.

@@ -25,6 +25,8 @@ pub(crate) struct Guess<'a> {
     pub ever: Polygon,
     /// Map, tangents astray and weight, as in [`Family::members`].
     pub values: Enclosed<7>,
+    /// Number of times that the front has sent its light back.
+    pub passes: usize,
 }
 
 impl<'a> Guess<'a> {
@@ -66,6 +68,7 @@ impl<'a> Guess<'a> {
                 side(DVec2::NEG_Y, -low.y),
             ],
             values: enclose(&family.members, patch),
+            passes: family.passes as usize,
         }
     }
 
@@ -122,7 +125,8 @@ impl<'a> Guess<'a> {
     ) -> f64 {
         let (weights, error) = self.values[6];
         let off = [0, 1, 2].map(|k| weights[k] - weight[k]);
-        self.jumped(gap, part)[1] + most(off) + error + loose
+        let jumped = self.jumped(gap, part)[1] * (most(weights) + error);
+        jumped + most(off) + error + loose
     }
 
     /// Returns a bound of the weight in the part of the gap given.

@@ -13,6 +13,7 @@ use crate::geometry::{HalfPlane, Polygon, polygon};
 use crate::optics::{Leaving, Rules};
 use crate::proof::moving::{Affine, CORNERS, Moving, Patch, ever};
 use crate::proof::pits::{Beyond, Face, Pit};
+use crate::proof::power::{Surface, most_inside, most_reflected};
 
 /// Number of reflections after which a sequence is left open, for each time that it comes from the
 /// front. Light of pits with nearly right angles takes 3, and slivers of it 5.
@@ -25,10 +26,15 @@ const FAR: usize = 12;
 /// Number of times that the front sends light back after which a sequence is left open.
 const PASSES: usize = 32;
 
-/// Number of faces that are passed in all, the widest light first. Sequences that are still under
-/// way then are left open. Light of a small patch passes some hundreds. Light that runs almost
-/// along walls, or close to where several meet, passes thousands, each with hardly any light.
+/// Number of faces that are passed in all, the brightest light first. Sequences that are still
+/// under way then are left open. Light of a small patch passes some hundreds. Light that runs
+/// almost along walls, or close to where several meet, passes thousands, each with hardly any
+/// light.
 const MOST: usize = 600;
+
+/// That number where the front splits light. With 600, some 0.4 % of the light of a pair with
+/// mirrors of 91 % is left open at 31 degrees.
+const MOST_SPLIT: usize = 1500;
 
 /// Largest area that counts as none, square edge lengths.
 pub(crate) const NO_AREA: f64 = 1e-11;
@@ -48,26 +54,21 @@ pub(crate) struct Leaf {
     pub linear: DMat3,
     /// Constant part of that map.
     pub shift: DVec3,
-    /// Normals of the facets that it meets, unit length, folded back as `linear` is.
-    pub normals: Vec<DVec3>,
+    /// Surfaces that reflect it.
+    pub met: Vec<Surface>,
+    /// Bound of the share of the power that it has inside after the last one.
+    pub power: f64,
     /// True if its light counts as retroreflected.
     pub returns: bool,
+    /// Number of times that the front has sent it back before its end.
+    pub passes: usize,
+    /// True if its light, or a part of it, goes on from its end as another sequence.
+    pub goes_on: bool,
     /// True if the sequence was not followed to its end.
     pub open: bool,
 }
 
 impl Leaf {
-    /// Returns this light after a reflection by `face`, moved by `step`.
-    fn reflected(mut self, face: &Face, step: DVec2) -> Leaf {
-        let mirror = |x: DVec3| x - 2.0 * face.normal.dot(x) * face.normal;
-        let offset = face.offset + face.normal.dot(step.extend(0.0));
-        self.normals.push(self.linear.transpose() * face.normal);
-        let [x, y, z] = [self.linear.x_axis, self.linear.y_axis, self.linear.z_axis].map(mirror);
-        self.linear = DMat3::from_cols(x, y, z);
-        self.shift = mirror(self.shift) + 2.0 * offset * face.normal;
-        self
-    }
-
     /// Returns this light as it enters one `step` of the lattice further.
     pub(crate) fn moved(&self, step: DVec2) -> Leaf {
         let way = step.extend(0.0);
@@ -106,8 +107,11 @@ pub(crate) fn leaves(pits: &[Pit], start: usize, patch: &Patch, rules: &Rules) -
         ever: door.clone(),
         linear: DMat3::IDENTITY,
         shift: DVec3::ZERO,
-        normals: Vec::new(),
+        met: Vec::new(),
+        power: 1.0,
         returns: false,
+        passes: 0,
+        goes_on: false,
         open: false,
     };
     let mut search = Search {
@@ -127,12 +131,16 @@ pub(crate) fn leaves(pits: &[Pit], start: usize, patch: &Patch, rules: &Rules) -
         step: DVec2::ZERO,
         last: pits[start].faces.len() - 1,
         walls: 0,
-        passes: 0,
         doubtful: false,
     });
+    let most = if rules.splits_at_the_front() {
+        MOST_SPLIT
+    } else {
+        MOST
+    };
     let mut passed = 0;
     while let Some((_, under)) = search.pending.pop_last() {
-        if passed < MOST && !under.is_deep() {
+        if passed < most && !under.is_deep() {
             passed += search.follow(&under);
         } else {
             let open = true;
@@ -156,8 +164,6 @@ struct Under {
     last: usize,
     /// Number of walls that it crossed.
     walls: usize,
-    /// Number of times that the front has sent it back.
-    passes: usize,
     /// True if the front sends it back in some directions only. If such light returns, it is left
     /// open, also where it leaves at that very meeting.
     doubtful: bool,
@@ -166,8 +172,8 @@ struct Under {
 impl Under {
     /// Returns whether the light is followed no further.
     fn is_deep(&self) -> bool {
-        let rounds = self.passes + 1;
-        let met = self.beam.normals.len();
+        let rounds = self.beam.passes + 1;
+        let met = self.beam.met.len();
         met >= DEEP * rounds || self.walls >= FAR * rounds || rounds > PASSES
     }
 }
@@ -178,8 +184,8 @@ struct Search<'a> {
     patch: &'a Patch,
     rules: &'a Rules,
     leaving: Leaving,
-    /// Light under way, by its area, whose bits have the order of positive numbers, and by the
-    /// number of those before it.
+    /// Light under way, by its area times power, whose bits have the order of positive numbers, and
+    /// by the number of those before it.
     pending: BTreeMap<(u64, usize), Under>,
     waited: usize,
     found: Vec<Leaf>,
@@ -189,9 +195,9 @@ struct Search<'a> {
 impl Search<'_> {
     /// Puts light among that which is under way.
     fn wait(&mut self, under: Under) {
-        let area = polygon::area(&under.beam.ever);
+        let light = under.beam.power * polygon::area(&under.beam.ever);
         self.waited += 1;
-        self.pending.insert((area.to_bits(), self.waited), under);
+        self.pending.insert((light.to_bits(), self.waited), under);
     }
 
     /// Follows light to the faces that it meets next. Returns their number.
@@ -202,7 +208,6 @@ impl Search<'_> {
             step,
             last,
             walls,
-            passes,
             doubtful,
         } = *under;
         let pits = self.pits;
@@ -236,7 +241,6 @@ impl Search<'_> {
                 step,
                 last: which,
                 walls,
-                passes,
                 doubtful,
             };
             match face.beyond {
@@ -252,7 +256,7 @@ impl Search<'_> {
                     ..onward(beam)
                 }),
                 Beyond::Mirror => match self.reflects(face, &beam) {
-                    Some(true) => self.wait(onward(beam.reflected(face, step))),
+                    Some(true) => self.wait(onward(self.reflected(beam, face, step))),
                     reflects => {
                         beam.open = reflects.is_none();
                         self.found.push(beam);
@@ -264,24 +268,54 @@ impl Search<'_> {
         met
     }
 
-    /// Ends light that meets the front `face`, or sends it back inside.
+    /// Returns light after a reflection by `face`, moved by `step`.
+    fn reflected(&self, mut beam: Leaf, face: &Face, step: DVec2) -> Leaf {
+        let mirror = |x: DVec3| x - 2.0 * face.normal.dot(x) * face.normal;
+        let offset = face.offset + face.normal.dot(step.extend(0.0));
+        let surface = Surface {
+            normal: beam.linear.transpose() * face.normal,
+            is_front: face.beyond == Beyond::Front,
+        };
+        if self.rules.splits_at_the_front() {
+            beam.power *= most_reflected(&surface, self.patch, self.rules);
+        }
+        beam.met.push(surface);
+        let [x, y, z] = [beam.linear.x_axis, beam.linear.y_axis, beam.linear.z_axis].map(mirror);
+        beam.linear = DMat3::from_cols(x, y, z);
+        beam.shift = mirror(beam.shift) + 2.0 * offset * face.normal;
+        beam
+    }
+
+    /// Ends light that meets the front `face`, and sends back inside what the front reflects.
+    ///
+    /// A sequence ends here even if all of its light goes on: so the sequences of one number of
+    /// passes, and those that end for good before, share the entrance.
     fn leave(&mut self, face: &Face, under: Under) {
         let total = self.sends_back(face, &under.beam);
+        let in_part = self.rules.splits_at_the_front();
+        let goes_on = total != Some(false) || in_part;
+        let mut beam = under.beam.clone();
+        let returns = !beam.met.is_empty() && self.leaving.is_near(beam.linear);
+        let leaves = total != Some(true) && returns;
         let doubtful = under.doubtful || total.is_none();
-        if total != Some(false) {
+        beam.returns = leaves && !doubtful;
+        beam.open = leaves && doubtful;
+        // A part goes on in all directions: more of it beyond the limit of total reflection.
+        let doubtful = doubtful && !in_part;
+        beam.goes_on = goes_on;
+        self.found.push(beam);
+        if goes_on {
+            let mut beam = self.reflected(under.beam, face, under.step);
+            beam.passes += 1;
+            if in_part {
+                let inside = most_inside(&beam.met, self.patch, self.rules);
+                beam.power = beam.power.min(inside);
+            }
             self.wait(Under {
-                beam: under.beam.clone().reflected(face, under.step),
-                passes: under.passes + 1,
+                beam,
                 doubtful,
                 ..under
             });
-        }
-        if total != Some(true) {
-            let mut beam = under.beam;
-            let returns = !beam.normals.is_empty() && self.leaving.is_near(beam.linear);
-            beam.returns = returns && !doubtful;
-            beam.open = returns && doubtful;
-            self.found.push(beam);
         }
     }
 
@@ -329,8 +363,8 @@ impl Search<'_> {
         }
     }
 
-    /// Returns whether the front `face` sends light of all directions of the patch back inside, or
-    /// lets all of it out; `None` if it may differ.
+    /// Returns whether the front `face` sends all light of all directions of the patch back inside,
+    /// or lets some out in all of them; `None` if it may differ.
     fn sends_back(&self, face: &Face, beam: &Leaf) -> Option<bool> {
         if self.rules.follows_the_front() {
             self.is_total(face, beam)
@@ -374,7 +408,7 @@ impl Search<'_> {
         let way = step.extend(0.0) - beam.shift;
         let corners = face.corners.iter().map(|&x| fold * (x + way));
         let mut corners: Vec<DVec3> = corners.collect();
-        if beam.normals.len() % 2 == 1 {
+        if beam.met.len() % 2 == 1 {
             corners.reverse();
         }
         let next = corners.iter().cycle().skip(1);

@@ -3,7 +3,7 @@
 use crate::geometry::polygon;
 use crate::proof::guess::Guess;
 use crate::proof::leaves::{Leaf, seen_from};
-use crate::proof::moving::middle;
+use crate::proof::moving::{middle, most};
 use crate::proof::pits::STRAIGHT;
 use crate::proof::returned::Returned;
 
@@ -23,8 +23,19 @@ pub(crate) struct Seen {
     pub first: usize,
 }
 
-/// Returning sequences of one pit, or of one lattice, whose maps differ by little, and the families
-/// that stand for them.
+impl Seen {
+    /// Returns whether light that enters elsewhere than `other` does takes this sequence, at the
+    /// same pass.
+    ///
+    /// Sequences of one number of passes share the entrance with those that end for good before.
+    pub(crate) fn shares(&self, other: &Seen) -> bool {
+        let [own, passes] = [self, other].map(|one| one.leaf.passes);
+        self.pit == other.pit && (own == passes || (own < passes && !self.leaf.goes_on))
+    }
+}
+
+/// Returning sequences of one pit, or of one lattice, of one number of passes, whose maps differ by
+/// little, and the families that stand for them.
 pub(crate) struct Kin {
     /// Numbers of the sequences.
     pub sequences: Vec<usize>,
@@ -42,18 +53,29 @@ pub(crate) fn apart(a: &Leaf, b: &Leaf) -> f64 {
     turn + a.shift.distance(b.shift)
 }
 
-/// Puts those of the sequences `numbers` of one pit together whose maps differ by less than `most`.
+/// Puts those of the sequences `numbers` of one pit and one number of passes together whose maps
+/// differ by less than `most`.
 fn together(seen: &[Seen], numbers: impl Iterator<Item = usize>, most: f64) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for number in numbers {
         let one = &seen[number];
-        let alike = |other: &Seen| other.pit == one.pit && apart(&other.leaf, &one.leaf) < most;
+        let alike = |other: &Seen| {
+            let places = [other, one].map(|one| (one.pit, one.leaf.passes));
+            places[0] == places[1] && apart(&other.leaf, &one.leaf) < most
+        };
         match groups.iter_mut().find(|group| alike(&seen[group[0]])) {
             Some(group) => group.push(number),
             None => groups.push(vec![number]),
         }
     }
     groups
+}
+
+/// Returns whether the weights of a family and a sequence may be within a factor of 2.
+fn even(guess: &Guess<'_>, returned: &Returned) -> bool {
+    let [ours, theirs] =
+        [guess.values[6], returned.weight].map(|(w, error)| [most(w) + error, w[0] - error]);
+    !(ours[1] > 2.0 * theirs[0] || theirs[1] > 2.0 * ours[0])
 }
 
 /// Returns the area that a family and a sequence share in the middle of the patch, once their fixed
@@ -63,7 +85,10 @@ fn shared(guess: &Guess<'_>, one: &Seen) -> f64 {
         let lines = seen_from(&one.leaf.lines, returned.fixed, 0.0);
         polygon::area(&middle(&guess.ever, guess.lines.iter().chain(&lines)))
     };
-    one.returned.as_ref().map_or(0.0, of)
+    match &one.returned {
+        Some(returned) if guess.passes == one.leaf.passes && even(guess, returned) => of(returned),
+        _ => 0.0,
+    }
 }
 
 /// Assignment of families to maps of sequences.
@@ -89,10 +114,10 @@ fn standing(
     astray_rad: f64,
 ) -> Standing {
     let alike = |which: usize, group: usize| {
-        let returned = &seen[groups[group][0]].returned;
-        returned
-            .as_ref()
-            .is_some_and(|returned| guesses[which].turned(returned) < astray_rad)
+        let one = &seen[groups[group][0]];
+        let turned = |returned| guesses[which].turned(returned) < astray_rad;
+        let fits = |returned| even(&guesses[which], returned) && turned(returned);
+        guesses[which].passes == one.leaf.passes && one.returned.as_ref().is_some_and(fits)
     };
     let mut scores = Vec::new();
     for (which, shared) in shared.iter().enumerate() {

@@ -19,7 +19,7 @@ use glam::{DMat3, DVec3};
 use num_complex::Complex64;
 
 use crate::optics::{Backing, Rules};
-use crate::proof::moving::Patch;
+use crate::proof::moving::{Patch, most};
 use crate::proof::series::{Complex, Series};
 
 type Vector = [Series; 3];
@@ -27,22 +27,77 @@ type Vector = [Series; 3];
 /// Hermitian matrix.
 type Matrix = [[Complex; 3]; 3];
 
-/// Encloses the share of the power that light keeps: of the direction `patch`, reflected by facets
-/// of the folded `normals`, that leaves with the linear map `linear`.
+/// Surface that reflects light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Surface {
+    /// Unit normal against the light, folded back.
+    pub normal: DVec3,
+    /// True for the front face, false for a facet.
+    pub is_front: bool,
+}
+
+/// Encloses the share of the power that light keeps: of the direction `patch`, reflected by the
+/// surfaces `met`, that leaves with the linear map `linear`.
 ///
 /// The error is infinite or not a number if the patch is too large, as where light comes to the
 /// limit of total reflection.
-pub(crate) fn power(normals: &[DVec3], linear: DMat3, patch: &Patch, rules: &Rules) -> Series {
+pub(crate) fn power(met: &[Surface], linear: DMat3, patch: &Patch, rules: &Rules) -> Series {
     let Some(backing) = rules.losses else {
         return 1.0.into();
     };
-    let index = rules.refractive_index;
     let travel = travel(patch);
-    let mut fields = entered(&travel, index);
-    for &normal in normals {
-        fields = reflected(&fields, &travel, normal, &backing, index);
+    let fields = kept(met, &travel, &backing, rules.refractive_index);
+    let up = linear.transpose() * DVec3::Z;
+    left(&fields, &travel, up, rules.refractive_index)
+}
+
+/// Returns a bound of the share of the power that light has inside after the surfaces `met`.
+pub(crate) fn most_inside(met: &[Surface], patch: &Patch, rules: &Rules) -> f64 {
+    let Some(backing) = rules.losses else {
+        return 1.0;
+    };
+    let fields = kept(met, &travel(patch), &backing, rules.refractive_index);
+    let trace = fields[0][0].re + fields[1][1].re + fields[2][2].re;
+    let (share, error) = (trace * 0.5).enclosed();
+    // The minimum of 1 and what is not a number is 1.
+    (most(share) + error).min(1.0)
+}
+
+/// Returns a bound of the share of its power that any light keeps at `surface`.
+pub(crate) fn most_reflected(surface: &Surface, patch: &Patch, rules: &Rules) -> f64 {
+    let backing = match rules.losses {
+        None => return 1.0,
+        Some(_) if surface.is_front => Backing::Bare,
+        Some(backing) => backing,
+    };
+    let index = rules.refractive_index;
+    let cosine = -dot(&travel(patch), surface.normal);
+    let (straight, crossed) = match backing {
+        Backing::Mirror { reflectance } => return reflectance,
+        Backing::Metal(metal) => reflection(index, metal, cosine),
+        Backing::Bare => reflection(index, Complex64::ONE, cosine),
+    };
+    let parallel = straight + crossed * (Series::from(1.0) - cosine * cosine);
+    let share = |amplitude: Complex| {
+        let (share, error) = amplitude.squared().enclosed();
+        // The minimum of 1 and what is not a number is 1.
+        (most(share) + error).min(1.0)
+    };
+    share(straight).max(share(parallel))
+}
+
+/// Returns the mean of the fields inside after the surfaces `met`.
+fn kept(met: &[Surface], travel: &Vector, backing: &Backing, index: f64) -> Matrix {
+    let mut fields = entered(travel, index);
+    for surface in met {
+        let backing = if surface.is_front {
+            &Backing::Bare
+        } else {
+            backing
+        };
+        fields = reflected(&fields, travel, surface.normal, backing, index);
     }
-    left(&fields, &travel, linear.transpose() * DVec3::Z, index)
+    fields
 }
 
 /// Returns the unit vector along the launched light.
@@ -195,7 +250,10 @@ mod tests {
                     };
                     let (mut map, mut folded) = (DMat3::IDENTITY, Vec::new());
                     for normal in facets {
-                        folded.push(map.transpose() * normal);
+                        folded.push(Surface {
+                            normal: map.transpose() * normal,
+                            is_front: false,
+                        });
                         map = mirrored(map, normal);
                     }
                     let found = power(&folded, map, &patch, &rules);
@@ -226,5 +284,88 @@ mod tests {
         for pair in errors.chunks(2) {
             assert!(pair[1] < 0.3 * pair[0] && pair[1] < 0.02, "{pair:?}");
         }
+    }
+
+    /// Light that the front sends back to the facets keeps the power that is enclosed, inside and
+    /// outside, also where a patch lies across the limit of total reflection: there the enclosure
+    /// is wide, but not infinite.
+    #[test]
+    fn light_that_the_front_sends_back_keeps_what_is_enclosed() {
+        let facets = [
+            DVec3::new(0.8, 0.1, 0.59),
+            DVec3::new(-0.4, 0.7, 0.58),
+            DVec3::new(-0.38, -0.72, 0.575),
+        ]
+        .map(|normal| (normal.normalize(), false));
+        let front = (DVec3::NEG_Z, true);
+        let [a, b, c] = facets;
+        let (mut cases, mut at_the_limit) = (0, 0);
+        for (index, backing) in [
+            (1.49, Backing::Metal(ALUMINIUM)),
+            (1.49, Backing::Mirror { reflectance: 0.8 }),
+            (1.6, Backing::Bare),
+            // The cosines of the facets are 0.59, 0.585 and 0.577; the limit is at 0.58.
+            (1.228, Backing::Bare),
+        ] {
+            let rules = Rules {
+                losses: Some(backing),
+                ..Rules::mirrors(index)
+            };
+            for (size, centre) in [
+                (0.004, [0.0, 0.0]),
+                (0.002, [0.1, -0.05]),
+                (0.01, [0.02, 0.1]),
+            ] {
+                let patch = Patch {
+                    centre: DVec2::from_array(centre),
+                    first: size * DVec2::new(0.8, 0.3),
+                    second: size * DVec2::new(-0.2, 0.5),
+                    axis: DVec2::X,
+                    turn: 0.0,
+                };
+                let (mut map, mut met) = (DMat3::IDENTITY, Vec::new());
+                let mut most = 1.0;
+                for (normal, is_front) in [a, b, c, front, c, a, b] {
+                    let surface = Surface {
+                        normal: map.transpose() * normal,
+                        is_front,
+                    };
+                    most *= most_reflected(&surface, &patch, &rules);
+                    met.push(surface);
+                    map = mirrored(map, normal);
+                }
+                let outside = power(&met, map, &patch, &rules).enclosed();
+                let inside = most.min(most_inside(&met, &patch, &rules));
+                assert!(outside.1.is_finite(), "{backing:?} {centre:?}");
+                let limit = (1.0 - index.powi(-2)).sqrt();
+                let (mut above, mut below) = (false, false);
+                for k in 0..25 {
+                    let [s, t] = [k % 5, k / 5].map(|x| 0.5 * f64::from(x) - 1.0);
+                    let tau = patch.centre + s * patch.first + t * patch.second;
+                    let mut travel = tau.extend(-1.0).normalize();
+                    let mut light = Light::entered(travel, index);
+                    for (normal, is_front) in [a, b, c, front, c, a, b] {
+                        let cosine = -travel.dot(normal);
+                        assert!(cosine > 0.0, "the light meets the outside");
+                        above |= cosine > limit;
+                        below |= cosine < limit;
+                        light = match is_front {
+                            true => light.kept_inside(travel, index),
+                            false => light.reflected(travel, normal, &backing, index),
+                        };
+                        travel = reflect(travel, normal);
+                    }
+                    let truth = light.power_outside(travel, index);
+                    let value = outside.0[0] + s * outside.0[1] + t * outside.0[2];
+                    let off = (truth - value).abs();
+                    assert!(off <= outside.1 + 1e-13, "{backing:?} {centre:?}: {off:e}");
+                    assert!(light.power() <= inside + 1e-13, "{backing:?} {centre:?}");
+                    cases += 1;
+                }
+                at_the_limit += u32::from(index < 1.3 && above && below);
+            }
+        }
+        println!("{cases} directions; {at_the_limit} patches at the limit");
+        assert!(cases == 300 && at_the_limit > 1);
     }
 }

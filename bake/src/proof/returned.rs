@@ -6,7 +6,7 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 use crate::optics::Rules;
 use crate::proof::leaves::Leaf;
 use crate::proof::means::Enclosed;
-use crate::proof::moving::{Affine, Patch};
+use crate::proof::moving::{Affine, Patch, most};
 use crate::proof::pits::Pit;
 use crate::proof::power::power;
 
@@ -24,6 +24,11 @@ pub(crate) struct Returned {
 }
 
 impl Returned {
+    /// Returns a bound of the weight, `limit` at most.
+    pub(crate) fn most_weight(&self, limit: f64) -> f64 {
+        (most(self.weight.0) + self.weight.1).min(limit)
+    }
+
     /// Encloses the light of `leaf` of `pit`, or returns `None` if the patch is too large for it,
     /// or the map has no fixed point.
     pub(crate) fn of(leaf: &Leaf, pit: &Pit, patch: &Patch, rules: &Rules) -> Option<Returned> {
@@ -59,8 +64,20 @@ impl Returned {
                 astray(0),
                 astray(1),
             ],
-            weight: (power(&leaf.normals, linear, patch, rules) * pit.weight).enclosed(),
+            weight: weight(leaf, pit, patch, rules),
         })
+    }
+}
+
+/// Encloses the weight of a sequence. Its light leaves with no more than the power that it has
+/// inside; after many surfaces, that says more than fields followed through all of them.
+fn weight(leaf: &Leaf, pit: &Pit, patch: &Patch, rules: &Rules) -> (Affine, f64) {
+    let (value, error) = (power(&leaf.met, leaf.linear, patch, rules) * pit.weight).enclosed();
+    let half = 0.5 * leaf.power * pit.weight;
+    if error <= half {
+        (value, error)
+    } else {
+        ([half, 0.0, 0.0], half)
     }
 }
 

@@ -246,7 +246,8 @@ impl Complex {
     /// negative.
     ///
     /// For z = start + slope x, its third derivative by x is 3/8 slope^3 / z^(5/2), and |z| is at
-    /// least its value in the middle less slope times the change of x.
+    /// least its value in the middle less slope times the change of x. Close to z = 0, as at the
+    /// limit of total reflection, the magnitude of the root bounds it better.
     pub(crate) fn root(start: Complex64, slope: f64, x: Series) -> Self {
         let middle = start + slope * x.value[0];
         let root = match middle.sqrt() {
@@ -258,9 +259,27 @@ impl Complex {
         let least = middle.norm() - slope * x.radius();
         // Infinite where z may come to 0.
         let third = 0.375 * slope.powi(3) * least.max(0.0).powf(-2.5);
-        Complex {
+        let smooth = Complex {
             re: x.taylor([root.re, first.re, second.re], third),
             im: x.taylor([root.im, first.im, second.im], third),
+        };
+        let small = Complex::small((middle.norm() + slope.abs() * x.radius()).sqrt());
+        if small.re.error < smooth.re.error.max(smooth.im.error) {
+            small
+        } else {
+            smooth
+        }
+    }
+
+    /// Returns any number of a magnitude of `most` at most whose imaginary part is not negative.
+    fn small(most: f64) -> Self {
+        let part = |middle: f64| Series {
+            error: most - middle,
+            ..middle.into()
+        };
+        Complex {
+            re: part(0.0),
+            im: part(0.5 * most),
         }
     }
 }

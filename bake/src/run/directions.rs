@@ -152,7 +152,7 @@ impl<'a> Search<'a> {
     /// Halves gaps until all directions that are tried are within the aim, and as long as that may
     /// help a proof. Returns whether the tolerance is proved.
     fn refine(&mut self, watch: Watch<'_>) -> Result<bool, RunError> {
-        let mut looked = 0;
+        let (mut looked, mut settled) = (0, false);
         let mut known = Known::default();
         let mut tried: Option<(Vec<f64>, Vec<f64>)> = None;
         loop {
@@ -172,13 +172,15 @@ impl<'a> Search<'a> {
                 ..self.bake.clone()
             };
             let table = bake.beams(self.exact, Watch::none())?;
-            let mut found = self.errors(&table, self.middles());
-            if worst(&found) <= self.aim {
-                found = self.errors(&table, self.random());
-            }
-            if worst(&found) > self.aim {
-                self.halve(&found)?;
-                continue;
+            if !settled {
+                let mut found = self.errors(&table, self.middles());
+                if worst(&found) <= self.aim {
+                    found = self.errors(&table, self.random());
+                }
+                if worst(&found) > self.aim {
+                    self.halve(&found)?;
+                    continue;
+                }
             }
             let Some(proof) = &self.proof else {
                 return Ok(false);
@@ -190,6 +192,8 @@ impl<'a> Search<'a> {
                     continue;
                 }
             }
+            // A bound says more than trials, so there are no more of them.
+            settled = true;
             let ends = self.azimuth_ends();
             let bounds = proved::parts(proof, &table, &ends, self.tolerance, &mut known, watch);
             let bounds = bounds.ok_or(RunError::Stopped)?;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use tables::options::{Element, Front};
+use tables::options::Element;
 use tables::{Axes, Family, Table};
 
 use crate::cell::ExactCell;
@@ -65,18 +65,16 @@ impl Known {
 /// Returns what is needed for proofs, or `None` if the class of the cell has none.
 ///
 /// The class has convex pits of three facets, alone or in a lattice ([`valleys`]), with losses or
-/// without. The facets need not be at right angles: their six orders are then six paths with nearly
-/// one map, whose polygons are bounded together ([`bound`]). What the interpolation mistakes for a
-/// neighbour's light goes to nearly the same place. With errors of milliradians even that may be
-/// too much, and the search falls back to trials. Others are kept out:
+/// without, whether the front traps light or not. The facets need not be at right angles: their six
+/// orders are then six paths with nearly one map, whose polygons are bounded together ([`bound`]).
+/// What the interpolation mistakes for a neighbour's light goes to nearly the same place. With
+/// errors of milliradians even that may be too much, and the search falls back to trials.
 ///
-/// - A front that sends a part of the light back at every angle splits each sequence again and
-///   again. A front that reflects totally, or not at all, is in the class.
-/// - Each family is compared with each pit, so the time grows with the square of their number.
+/// Cells of many pits are kept out: each family is compared with each pit, so the time grows with
+/// the square of their number.
 pub(crate) fn provable(exact: &ExactCell, rules: &Rules, astray_rad: f64) -> Option<Proof> {
     let simple = rules.roughness.is_none()
         && rules.glass_index.is_none()
-        && (rules.front == Front::Once || rules.losses.is_none())
         && rules.element == Element::Retroreflector;
     let lattice = match exact.bodies.as_slice() {
         [body] => body.lattice,
@@ -154,7 +152,7 @@ pub(crate) fn parts(
             found: Vec::new(),
             looked: 0,
         };
-        search.divide(gap, HALVINGS);
+        search.divide(gap, [HALVINGS; 2]);
         if watch.is_stopped() {
             return None;
         }
@@ -192,33 +190,56 @@ struct Gap<'a> {
 }
 
 impl Gap<'_> {
-    /// Bounds the error in `part`, in quarters where the bound is above the tolerance, `left` times
-    /// at most. Returns whether all of the part is proved; it is not if the watch stopped.
-    fn divide(&mut self, part: [[f64; 2]; 2], left: usize) -> bool {
+    /// Bounds the error in `part`, in halves or quarters where the bound is above the tolerance,
+    /// `left` times along each angle at most. Returns whether all of the part is proved; it is not
+    /// if the watch stopped.
+    fn divide(&mut self, part: [[f64; 2]; 2], left: [usize; 2]) -> bool {
         if self.watch.is_stopped() {
             return false;
         }
         let bound = bound(self.proof, self.families, self.ends, part);
         self.looked += 1;
-        if bound <= self.tolerance || left == 0 || self.looked >= MOST_PARTS {
+        let proved = bound <= self.tolerance;
+        let halved = halved(part);
+        let ends = [0, 1].iter().any(|&axis| halved[axis] && left[axis] == 0);
+        if proved || ends || halved == [false; 2] || self.looked >= MOST_PARTS {
             let [incidence_deg, azimuth_deg] = part;
             self.found.push(Part {
                 incidence_deg,
                 azimuth_deg,
                 bound,
             });
-            return bound <= self.tolerance;
+            return proved;
         }
-        let halves = |[from, to]: [f64; 2]| match 0.5 * (from + to) {
-            middle if from < middle && middle < to => vec![[from, middle], [middle, to]],
-            _ => vec![[from, to]],
+        let pieces = |axis: usize| {
+            let [from, to] = part[axis];
+            let middle = 0.5 * (from + to);
+            match halved[axis] {
+                true => vec![[from, middle], [middle, to]],
+                false => vec![[from, to]],
+            }
         };
-        let across = halves(part[1]);
-        let mut quarters = halves(part[0])
-            .into_iter()
-            .flat_map(|along| across.iter().map(move |&across| [along, across]));
-        quarters.all(|quarter| self.divide(quarter, left - 1))
+        let across = pieces(1);
+        let along = pieces(0).into_iter();
+        let mut pieces = along.flat_map(|along| across.iter().map(move |&across| [along, across]));
+        let left = [0, 1].map(|axis| left[axis] - usize::from(halved[axis]));
+        pieces.all(|piece| self.divide(piece, left))
     }
+}
+
+/// Returns along which angles a part is halved: both, or only the one that turns the light more
+/// than twice as far.
+fn halved([incidence, azimuth]: [[f64; 2]; 2]) -> [bool; 2] {
+    let wide = |[from, to]: [f64; 2]| {
+        let middle = 0.5 * (from + to);
+        from < middle && middle < to
+    };
+    let along = incidence[1] - incidence[0];
+    let across = (azimuth[1] - azimuth[0]) * incidence[1].to_radians().sin();
+    [
+        wide(incidence) && (2.0 * along >= across || !wide(azimuth)),
+        wide(azimuth) && (2.0 * across >= along || !wide(incidence)),
+    ]
 }
 
 #[cfg(test)]
@@ -305,6 +326,15 @@ mod tests {
         }
     }
 
+    /// Gives facets that reflect 91 % of the light, and Fresnel's losses at the front.
+    fn silvered(request: Request) -> Request {
+        Request {
+            losses: Losses::Fresnel,
+            reflectance: Some(0.91),
+            ..request
+        }
+    }
+
     /// Makes the facets bare, with Fresnel's losses there and at the front.
     fn bare(request: Request) -> Request {
         Request {
@@ -386,7 +416,7 @@ mod tests {
             // Total reflection ends between 20 and 30 degrees.
             (0, (1.49, "10,20,30", "full:30"), total),
         ];
-        let lattices: [(usize, (f64, &str, &str), Kind); 8] = [
+        let lattices: [(usize, (f64, &str, &str), Kind); 12] = [
             (4, (1.49, "10,14", "full:20"), ideal),
             // Light runs along the sheet between 29 and 30 degrees, and along facets at 35.26.
             (4, (1.49, "29,30", "0,15,60"), ideal),
@@ -396,6 +426,18 @@ mod tests {
             (5, (1.0, "24,26", "full:60"), ideal),
             (0, (1.49, "18,22", "full:20"), trapped),
             (4, (1.49, "18,20", "full:20"), trapped),
+            (0, (1.49, "10,14", "full:20"), |request| {
+                trapped(aluminium(request))
+            }),
+            (0, (1.49, "30,32", "0,2"), |request| {
+                trapped(silvered(request))
+            }),
+            (3, (1.49, "4,6", "full:30"), |request| {
+                trapped(silvered(request))
+            }),
+            (4, (1.49, "18,20", "full:60"), |request| {
+                trapped(silvered(request))
+            }),
         ];
         let (mut tried, mut ratios, mut worst) = (0, Vec::new(), 0.0_f64);
         let (mut uneven, mut losses, mut across) = (0, 0, 0);

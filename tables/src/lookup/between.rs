@@ -233,7 +233,7 @@ pub(crate) struct Shape {
     /// It is the part along the sheet of (M + 1) (tau, -1), where M is the linear map of the path
     /// inside.
     pub astray: [f64; 2],
-    passes: u32,
+    pub passes: u32,
 }
 
 impl Shape {

@@ -25,6 +25,8 @@ pub struct Family {
     /// Shares of the directions that lack the path by a jump, as (greater incidence, greater
     /// azimuth) of the corner of the gap.
     pub jumps: Vec<[f64; 2]>,
+    /// Number of times that the front face has sent the light of the path back inside.
+    pub passes: u32,
 }
 
 impl Family {
@@ -83,6 +85,7 @@ pub(crate) fn known(nodes: &[Node], index: f64) -> Option<Vec<Family>> {
             corners().map(|corner| corner[axis]).fold(start, pick)
         };
         Family {
+            passes: members[0].1.passes,
             jumps: jumps.iter().map(|node| node.corner).collect(),
             bounds: [
                 [0, 1].map(|axis| end(axis, f64::INFINITY, f64::min)),
