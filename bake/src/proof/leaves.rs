@@ -87,6 +87,8 @@ impl Leaf {
 /// A ray in a pit meets exactly one face next. So in each direction the sequences share the whole
 /// entrance, each point once, and a sequence's points are those whose light meets its faces one
 /// after the other. Walls are faces too: light of one order of mirrors may take several sequences.
+/// Where the front sends light back, that holds for each number of passes: for the sequences that
+/// end at the front after as many, and those that end for good before ([`Leaf::goes_on`]).
 ///
 /// The second value bounds the area of the light that was left out because it was hardly any.
 pub(crate) fn leaves(pits: &[Pit], start: usize, patch: &Patch, rules: &Rules) -> (Vec<Leaf>, f64) {

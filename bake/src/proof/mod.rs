@@ -24,4 +24,4 @@ pub(crate) use bound::{Proof, bound};
 pub(crate) use pits::{Pit, pits};
 pub(crate) use valleys::valleys;
 #[cfg(test)]
-pub(crate) use {leaves::leaves, moving::Patch};
+pub(crate) use {leaves::leaves, moving::Patch, returned::Returned};

@@ -44,7 +44,7 @@ const MOST_PROVED: usize = 600;
 
 /// Number of parts of gaps that are looked at before the tolerance counts as not provable: a minute
 /// or two of one core for cubes that do not see each other, and up to three for lattices.
-const MOST_LOOKED: usize = 60_000;
+const MOST_LOOKED: usize = 120_000;
 
 /// Largest number of directions.
 ///

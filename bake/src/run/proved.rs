@@ -247,8 +247,9 @@ mod tests {
     use super::*;
     use crate::cell::Prepared;
     use crate::geometry::polygon;
+    use crate::optics::LEAST_POWER;
     use crate::plan::{Plan, Request};
-    use crate::proof::{Patch, leaves};
+    use crate::proof::{Patch, Returned, leaves};
     use crate::run::bake::Bake;
     use crate::run::trial;
     use meshes::Cell;
@@ -333,6 +334,11 @@ mod tests {
             reflectance: Some(0.91),
             ..request
         }
+    }
+
+    /// Lets the front trap light of such facets.
+    fn trapped_silvered(request: Request) -> Request {
+        trapped(silvered(request))
     }
 
     /// Makes the facets bare, with Fresnel's losses there and at the front.
@@ -470,12 +476,13 @@ mod tests {
         assert!(losses > 100 && across > 300, "{losses} {across}");
     }
 
-    /// The sequences of a single direction share the entrance, and those that return have the light
-    /// that the exact method finds by following beams. Sequences that are left open may lack.
+    /// The sequences of a single direction share the entrance, at each pass of the front with those
+    /// that ended before. Those that return have the light that the exact method finds by following
+    /// beams. Sequences that are left open may lack.
     #[test]
     fn sequences_of_one_direction_are_those_of_beams() {
         let cells = cells();
-        let mut tried = 0;
+        let (mut tried, mut shared) = (0, 0);
         // Light that runs along a lattice is left open, and much of what a front traps there.
         for (which, index, kind, limit) in [
             (0, 1.49, trapped as fn(Request) -> Request, 0.01),
@@ -483,6 +490,8 @@ mod tests {
             (3, 1.0, ideal, 1e-9),
             (4, 1.0, ideal, 0.003),
             (4, 1.49, trapped, 1.0),
+            (0, 1.49, trapped_silvered, 0.01),
+            (4, 1.49, trapped_silvered, 0.3),
             (5, 1.0, ideal, 0.003),
             (5, 1.49, total, 0.003),
         ] {
@@ -498,27 +507,41 @@ mod tests {
                 let [i, a] = [60.0 * place, 6.1 * f64::from(k)];
                 let truth = exact.direction(i, a, 1, 2.0, &rules);
                 let patch = Patch::around([i, i], [a, a], index);
-                let (mut all, mut back, mut open) = (0.0, 0.0, 0.0);
-                let mut left_out = 0.0;
-                for number in 0..proof.pits.len() {
+                let (mut back, mut open, mut left_out) = (0.0, 0.0, 0.0);
+                // Areas of sequences by their passes, and of those that end for good there.
+                let (mut all, mut ended) = (BTreeMap::new(), BTreeMap::new());
+                for (number, pit) in proof.pits.iter().enumerate() {
                     let (found, dropped) = leaves(&proof.pits, number, &patch, &rules);
                     left_out += dropped;
                     for leaf in found {
                         let area = polygon::area(&leaf.ever);
-                        all += area;
-                        back += f64::from(u8::from(leaf.returns)) * area;
-                        open += f64::from(u8::from(leaf.open)) * area;
+                        *all.entry(leaf.passes).or_insert(0.0) += area;
+                        if !leaf.goes_on {
+                            *ended.entry(leaf.passes).or_insert(0.0) += area;
+                        }
+                        if leaf.returns {
+                            let found = Returned::of(&leaf, pit, &patch, &rules);
+                            back += area * found.expect("a fixed point").weight.0[0];
+                        }
+                        open += f64::from(u8::from(leaf.open)) * area * leaf.power;
                     }
                 }
                 let whole = exact.entrance_area();
                 // Slivers that are left out, and the rounding of corners.
                 let slack = left_out + 1e-9;
-                assert!(
-                    (all - whole).abs() < slack,
-                    "{which} {i} {a}: {all} {whole}"
-                );
+                for (&passes, area) in &all {
+                    let before: f64 = ended.range(..passes).map(|(_, area)| area).sum();
+                    let off = area + before - whole;
+                    assert!(off.abs() < slack, "{which} {i} {a} {passes}: {off}");
+                    shared += 1;
+                }
                 let eta = truth.retroreflected * whole;
-                let within = back - slack < eta && eta < back + open + slack;
+                // The exact method gives up light of little power.
+                let given_up = match rules.splits_at_the_front() {
+                    true => LEAST_POWER * whole,
+                    false => 0.0,
+                };
+                let within = back - slack - given_up < eta && eta < back + open + slack + given_up;
                 assert!(within, "{which} {i} {a}: {eta} {back} {open}");
                 open_most = open_most.max(open);
                 tried += 1;
@@ -526,8 +549,8 @@ mod tests {
             println!("{which} {index}: at most {open_most:.1e} left open");
             assert!(open_most < limit, "{which} {index}");
         }
-        println!("{tried} directions");
-        assert_eq!(tried, 420);
+        println!("{tried} directions, {shared} passes");
+        assert!(tried == 540 && shared > 5 * tried, "{tried} {shared}");
     }
 
     /// Tables whose directions were chosen are proved part by part: those of ideal cubes in no more
@@ -550,7 +573,7 @@ mod tests {
             (0, 1.49, 10.0, 0.005, total, 4),
             (4, 1.49, 38.0, 0.02, ideal, 20),
             (5, 1.49, 8.0, 0.02, ideal, 30),
-            (0, 1.49, 38.0, 0.02, trapped, 9),
+            (0, 1.49, 38.0, 0.02, trapped, 12),
         ];
         for (which, index, steepest, tolerance, kind, most) in cases {
             let cell = &cells()[which];
@@ -654,6 +677,8 @@ mod tests {
             trapped(request);
             lossy(request);
         };
-        assert_eq!(class(&pair, &both), None);
+        assert_eq!(class(&pair, &both), Some(2));
+        let plate = |request: &mut Request| request.scene.element = Element::Plate;
+        assert_eq!(class(&pair, &plate), None);
     }
 }
