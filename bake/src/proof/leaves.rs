@@ -26,6 +26,10 @@ const FAR: usize = 12;
 /// Number of times that the front sends light back after which a sequence is left open.
 const PASSES: usize = 32;
 
+/// Number of passes for which fields are followed for a bound of the power. Later, the greatest
+/// reflectances of the surfaces say enough.
+const FOLLOWED: usize = 3;
+
 /// Number of faces that are passed in all, the brightest light first. Sequences that are still
 /// under way then are left open. Light of a small patch passes some hundreds. Light that runs
 /// almost along walls, or close to where several meet, passes thousands, each with hardly any
@@ -309,7 +313,7 @@ impl Search<'_> {
         if goes_on {
             let mut beam = self.reflected(under.beam, face, under.step);
             beam.passes += 1;
-            if in_part {
+            if in_part && beam.passes <= FOLLOWED {
                 let inside = most_inside(&beam.met, self.patch, self.rules);
                 beam.power = beam.power.min(inside);
             }
