@@ -76,11 +76,11 @@ impl Proof {
 /// changes the bound, not its truth. Sequences that are left open count with all of their light,
 /// and what was left out as hardly any light counts as if a family had it too.
 ///
-/// **A front that sends light back** ends a sequence and begins a longer one at each meeting. So a
-/// point has one sequence for each number of passes, until its light ends for good. Sequences of one
-/// number of passes and those that end before share the entrance, and families have a number of
-/// passes too: all of the above holds pass by pass, and the L1 distances add up. What a sequence
-/// that is left open may still send out is its power inside, at most.
+/// **A front that sends light back** ends a sequence at each meeting and begins a longer one. So a
+/// point has one sequence for each number of passes, until its light ends for good. Sequences of
+/// one number of passes and those that end before share the entrance, and families have a number of
+/// passes too. All of the above holds pass by pass, and the L1 distances add up. A sequence that is
+/// left open may still send out its power inside, at most.
 ///
 /// For ideal pits all maps of a group are one, and one family has all of its light.
 ///

@@ -43,9 +43,9 @@ const AIM_OF_PROOF: f64 = 0.4;
 /// need the most.
 const MOST_PROVED: usize = 600;
 
-/// Number of parts of gaps that are looked at before the tolerance counts as not provable: a minute
-/// or two of one core for cubes that do not see each other, and up to three for lattices.
-const MOST_LOOKED: usize = 120_000;
+/// Number of parts of gaps that are looked at before the tolerance counts as not provable: some
+/// minutes of one core for lattices and for fronts that split light.
+const MOST_LOOKED: usize = 160_000;
 
 /// Largest number of directions.
 ///
