@@ -4,7 +4,7 @@ use glam::{DMat2, DVec2, DVec3};
 use tables::Family;
 
 use crate::geometry::polygon;
-use crate::optics::{Backing, LEAST_POWER, Rules};
+use crate::optics::{Backing, Rules};
 use crate::proof::group::{Group, Light};
 use crate::proof::guess::Guess;
 use crate::proof::leaves::{Leaf, leaves};
@@ -104,16 +104,12 @@ pub(crate) fn bound(
         return f64::INFINITY;
     };
     let kin = pair(&mut seen, &guesses, proof.astray_rad);
-    // Twice the total variation, and the light astray, as areas. First comes what has no partner.
     // Families of each number of passes may have light that was left out, or that the exact method
     // gives up.
     let most_passes = guesses.iter().map(|guess| guess.passes).max();
     let layers = 1.0 + most_passes.unwrap_or_default() as f64;
-    let given_up = match proof.rules.splits_at_the_front() {
-        true => LEAST_POWER * proof.entrance_area,
-        false => 0.0,
-    };
-    let left_out = dropped + given_up;
+    let left_out = dropped + proof.rules.power_given_up() * proof.entrance_area;
+    // Twice the total variation, and the light astray, as areas. First comes what has no partner.
     let (mut twice, mut astray) = ((1.0 + layers) * left_out, layers * left_out);
     let light = seen.iter().filter(|one| one.leaf.returns || one.leaf.open);
     for one in light.filter(|one| one.family.is_none()) {

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::geometry::{HalfPlane, Polygon, polygon};
-use crate::optics::{Leaving, Rules};
+use crate::optics::{Leaving, Rules, mirrored, reflect};
 use crate::proof::moving::{Affine, CORNERS, Moving, Patch, ever};
 use crate::proof::pits::{Beyond, Face, Pit};
 use crate::proof::power::{Surface, most_inside, most_reflected};
@@ -276,7 +276,6 @@ impl Search<'_> {
 
     /// Returns light after a reflection by `face`, moved by `step`.
     fn reflected(&self, mut beam: Leaf, face: &Face, step: DVec2) -> Leaf {
-        let mirror = |x: DVec3| x - 2.0 * face.normal.dot(x) * face.normal;
         let offset = face.offset + face.normal.dot(step.extend(0.0));
         let surface = Surface {
             normal: beam.linear.transpose() * face.normal,
@@ -286,9 +285,8 @@ impl Search<'_> {
             beam.power *= most_reflected(&surface, self.patch, self.rules);
         }
         beam.met.push(surface);
-        let [x, y, z] = [beam.linear.x_axis, beam.linear.y_axis, beam.linear.z_axis].map(mirror);
-        beam.linear = DMat3::from_cols(x, y, z);
-        beam.shift = mirror(beam.shift) + 2.0 * offset * face.normal;
+        beam.linear = mirrored(beam.linear, face.normal);
+        beam.shift = reflect(beam.shift, face.normal) + 2.0 * offset * face.normal;
         beam
     }
 

@@ -209,16 +209,41 @@ mod tests {
 
     const ALUMINIUM: Complex64 = Complex64::new(0.96, 6.69);
 
-    /// Fields that are followed in space, as the bakes do, lie within the enclosure. Its error
-    /// falls with the size of the patch. Normal incidence on the front is among the patches.
-    #[test]
-    fn light_in_space_keeps_what_is_enclosed() {
-        let facets = [
+    /// Returns normals of facets that are nearly at right angles.
+    fn facets() -> [DVec3; 3] {
+        [
             DVec3::new(0.8, 0.1, 0.59),
             DVec3::new(-0.4, 0.7, 0.58),
             DVec3::new(-0.38, -0.72, 0.575),
         ]
-        .map(DVec3::normalize);
+        .map(DVec3::normalize)
+    }
+
+    /// Returns a patch of about `size` around tangents.
+    fn small(size: f64, centre: [f64; 2]) -> Patch {
+        Patch {
+            centre: DVec2::from_array(centre),
+            first: size * DVec2::new(0.8, 0.3),
+            second: size * DVec2::new(-0.2, 0.5),
+            axis: DVec2::X,
+            turn: 0.0,
+        }
+    }
+
+    /// Returns 25 directions of a patch: (s, t), and the unit vector along the light.
+    fn directions(patch: &Patch) -> [(f64, f64, DVec3); 25] {
+        std::array::from_fn(|k| {
+            let [s, t] = [k % 5, k / 5].map(|x| 0.5 * x as f64 - 1.0);
+            let tau = patch.centre + s * patch.first + t * patch.second;
+            (s, t, tau.extend(-1.0).normalize())
+        })
+    }
+
+    /// Fields that are followed in space, as the bakes do, lie within the enclosure. Its error
+    /// falls with the size of the patch. Normal incidence on the front is among the patches.
+    #[test]
+    fn light_in_space_keeps_what_is_enclosed() {
+        let facets = facets();
         let (mut cases, mut closest) = (0, f64::INFINITY);
         let mut errors = Vec::new();
         for (index, backing) in [
@@ -241,13 +266,7 @@ mod tests {
             for size in [most, 0.5 * most] {
                 let mut sum = 0.0;
                 for centre in [[0.0, 0.0], [0.1, -0.05], [0.02, 0.1]] {
-                    let patch = Patch {
-                        centre: DVec2::from_array(centre),
-                        first: size * DVec2::new(0.8, 0.3),
-                        second: size * DVec2::new(-0.2, 0.5),
-                        axis: DVec2::X,
-                        turn: 0.0,
-                    };
+                    let patch = small(size, centre);
                     let (mut map, mut folded) = (DMat3::IDENTITY, Vec::new());
                     for normal in facets {
                         folded.push(Surface {
@@ -259,10 +278,7 @@ mod tests {
                     let found = power(&folded, map, &patch, &rules);
                     let (affine, error) = found.enclosed();
                     sum += error;
-                    for k in 0..25 {
-                        let [s, t] = [k % 5, k / 5].map(|x| 0.5 * f64::from(x) - 1.0);
-                        let tau = patch.centre + s * patch.first + t * patch.second;
-                        let mut travel = tau.extend(-1.0).normalize();
+                    for (s, t, mut travel) in directions(&patch) {
                         let mut light = Light::entered(travel, index);
                         for normal in facets {
                             light = light.reflected(travel, normal, &backing, index);
@@ -291,12 +307,7 @@ mod tests {
     /// is wide, but not infinite.
     #[test]
     fn light_that_the_front_sends_back_keeps_what_is_enclosed() {
-        let facets = [
-            DVec3::new(0.8, 0.1, 0.59),
-            DVec3::new(-0.4, 0.7, 0.58),
-            DVec3::new(-0.38, -0.72, 0.575),
-        ]
-        .map(|normal| (normal.normalize(), false));
+        let facets = facets().map(|normal| (normal, false));
         let front = (DVec3::NEG_Z, true);
         let [a, b, c] = facets;
         let (mut cases, mut at_the_limit) = (0, 0);
@@ -316,13 +327,7 @@ mod tests {
                 (0.002, [0.1, -0.05]),
                 (0.01, [0.02, 0.1]),
             ] {
-                let patch = Patch {
-                    centre: DVec2::from_array(centre),
-                    first: size * DVec2::new(0.8, 0.3),
-                    second: size * DVec2::new(-0.2, 0.5),
-                    axis: DVec2::X,
-                    turn: 0.0,
-                };
+                let patch = small(size, centre);
                 let (mut map, mut met) = (DMat3::IDENTITY, Vec::new());
                 let mut most = 1.0;
                 for (normal, is_front) in [a, b, c, front, c, a, b] {
@@ -339,10 +344,7 @@ mod tests {
                 assert!(outside.1.is_finite(), "{backing:?} {centre:?}");
                 let limit = (1.0 - index.powi(-2)).sqrt();
                 let (mut above, mut below) = (false, false);
-                for k in 0..25 {
-                    let [s, t] = [k % 5, k / 5].map(|x| 0.5 * f64::from(x) - 1.0);
-                    let tau = patch.centre + s * patch.first + t * patch.second;
-                    let mut travel = tau.extend(-1.0).normalize();
+                for (s, t, mut travel) in directions(&patch) {
                     let mut light = Light::entered(travel, index);
                     for (normal, is_front) in [a, b, c, front, c, a, b] {
                         let cosine = -travel.dot(normal);

@@ -247,7 +247,6 @@ mod tests {
     use super::*;
     use crate::cell::Prepared;
     use crate::geometry::polygon;
-    use crate::optics::LEAST_POWER;
     use crate::plan::{Plan, Request};
     use crate::proof::{Patch, Returned, leaves};
     use crate::run::bake::Bake;
@@ -435,15 +434,9 @@ mod tests {
             (0, (1.49, "10,14", "full:20"), |request| {
                 trapped(aluminium(request))
             }),
-            (0, (1.49, "30,32", "0,2"), |request| {
-                trapped(silvered(request))
-            }),
-            (3, (1.49, "4,6", "full:30"), |request| {
-                trapped(silvered(request))
-            }),
-            (4, (1.49, "18,20", "full:60"), |request| {
-                trapped(silvered(request))
-            }),
+            (0, (1.49, "30,32", "0,2"), trapped_silvered),
+            (3, (1.49, "4,6", "full:30"), trapped_silvered),
+            (4, (1.49, "18,20", "full:60"), trapped_silvered),
         ];
         let (mut tried, mut ratios, mut worst) = (0, Vec::new(), 0.0_f64);
         let (mut uneven, mut losses, mut across) = (0, 0, 0);
@@ -536,11 +529,7 @@ mod tests {
                     shared += 1;
                 }
                 let eta = truth.retroreflected * whole;
-                // The exact method gives up light of little power.
-                let given_up = match rules.splits_at_the_front() {
-                    true => LEAST_POWER * whole,
-                    false => 0.0,
-                };
+                let given_up = rules.power_given_up() * whole;
                 let within = back - slack - given_up < eta && eta < back + open + slack + given_up;
                 assert!(within, "{which} {i} {a}: {eta} {back} {open}");
                 open_most = open_most.max(open);
