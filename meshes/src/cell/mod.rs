@@ -14,5 +14,6 @@ pub(crate) mod normals;
 pub(crate) mod options;
 pub(crate) mod prism;
 pub(crate) mod rim;
+pub(crate) mod rounding;
 pub(crate) mod surface;
 pub(crate) mod weld;

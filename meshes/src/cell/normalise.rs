@@ -12,6 +12,7 @@ use crate::cell::frame::Frame;
 use crate::cell::normals;
 use crate::cell::options::CellOptions;
 use crate::cell::prism;
+use crate::cell::rounding;
 use crate::cell::surface::Surface;
 use crate::files::load::load;
 use crate::mesh::error::{Error, Fault};
@@ -209,7 +210,8 @@ fn placed(
         .collect();
     let entrance = match lattice {
         Some(lattice) => entrance::periodic(&frame, lattice, &facets, &mut warnings)?,
-        None => entrance::rim(surface, &points, rounding)?,
+        None => entrance::rim(surface, &points, rounding)
+            .map_err(|fault| rounding::of_rim(fault, surface, &frame, entrance::PLANAR))?,
     };
     let entrance = match options.periodic {
         true => entrance::tiled(entrance)?,
@@ -218,6 +220,8 @@ fn placed(
     let normals = if options.file_normals {
         Some(normals::of_file(surface, &frame, &mut warnings)?)
     } else {
+        // Facets that stand for curved faces, and surfaces of glass, need no right angles.
+        warnings.extend(rounding::bent(surface).filter(|_| !options.glass));
         warnings.extend(normals::left_out(surface));
         None
     };

@@ -11,6 +11,7 @@ use std::num::NonZeroU32;
 
 use glam::DVec3;
 
+use crate::mesh::digits::Digits;
 use crate::mesh::error::{Counted, Fault};
 use crate::mesh::mesh::{GLASS, MAX_ELEMENTS, Mesh, sha256};
 use crate::mesh::polygon;
@@ -21,12 +22,13 @@ use crate::mesh::polygon;
 /// Fails if a line is not OBJ, an index is out of range, a face has fewer than three corners, a
 /// polygon is not flat or crosses itself, or a vertex is not finite.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = text(bytes);
     let mut mesh = Mesh {
         hash: sha256([bytes]),
         ..Mesh::default()
     };
-    let (vertices, faces) = survey(&text, &mut mesh)?;
+    let mut digits = Digits::default();
+    let (vertices, faces) = survey(&text, &mut mesh, &mut digits)?;
     let source = geometry(&text, vertices);
     let model = read(source.as_bytes()).map_err(|reason| locate(reason, &text, vertices))?;
     drop(source);
@@ -39,6 +41,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     if let Some(vertex) = mesh.positions.iter().position(|p| !p.is_finite()) {
         return Err(Fault::NotFinite { vertex: vertex + 1 });
     }
+    mesh.steps = digits.steps(&mesh.positions);
     // Without arities all faces are triangles, and the naming polygon is one too.
     let arities = if model.face_arities.is_empty() {
         vec![3; faces + 1]
@@ -48,6 +51,20 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     let normals = normals(&text, &mut mesh.normals);
     triangulate(&mut mesh, &model.indices, &arities, &normals)?;
     Ok(mesh)
+}
+
+/// Returns the bytes of a text file with lines that end as [`str::lines`] wants them, without a byte
+/// order mark.
+///
+/// Programs on Windows write the mark, and a lone carriage return ends a line of old ones. A byte
+/// that is not UTF-8 becomes a replacement character.
+pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let text = String::from_utf8_lossy(bytes);
+    match text.contains('\r') {
+        true => Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n")),
+        false => text,
+    }
 }
 
 /// Reads the normals into `vectors`, and returns the normal's number at each corner of each face.
@@ -84,13 +101,17 @@ fn normals(text: &str, vectors: &mut Vec<DVec3>) -> Vec<Option<NonZeroU32>> {
     numbers
 }
 
-/// Counts vertices and faces, and reads the comments that describe the cell.
-fn survey(text: &str, mesh: &mut Mesh) -> Result<(usize, usize), Fault> {
+/// Counts vertices, their digits and faces, and reads the comments that describe the cell.
+fn survey(text: &str, mesh: &mut Mesh, digits: &mut Digits) -> Result<(usize, usize), Fault> {
     let (mut vertices, mut faces, mut words) = (0, 0, 0);
     let mut glass = false;
     for (line, content) in logical_lines(text) {
         match keyword(&content) {
-            "v" => vertices += 1,
+            "v" => {
+                vertices += 1;
+                let numbers = content.split_whitespace().skip(1).take(3);
+                numbers.for_each(|number| digits.read(number));
+            }
             "f" => {
                 let corners = content.split_whitespace().take(4).count() - 1;
                 if corners < 3 {
@@ -216,19 +237,24 @@ fn triangulate(
 }
 
 /// Returns the lines with their number from 1; a line that ends in a backslash is joined to the
-/// next.
+/// next, and a comment behind other content is left out.
 fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut lines = (1..).zip(text.lines());
+    let bare = |line: &str| line.find('#').unwrap_or(line.len());
     std::iter::from_fn(move || {
         let (number, first) = lines.next()?;
-        let mut content = Cow::Borrowed(first.trim());
+        let first = first.trim();
         // Comments are not continued, because they may end in the path of a folder.
-        while content.ends_with('\\') && !content.starts_with('#') {
+        if first.starts_with('#') {
+            return Some((number, Cow::Borrowed(first)));
+        }
+        let mut content = Cow::Borrowed(first[..bare(first)].trim());
+        while content.ends_with('\\') {
             let content = content.to_mut();
             content.pop();
             content.push(' ');
             match lines.next() {
-                Some((_, next)) => content.push_str(next.trim()),
+                Some((_, next)) => content.push_str(next[..bare(next)].trim()),
                 None => break,
             }
         }

@@ -135,8 +135,8 @@ pub enum Fault {
     )]
     AzimuthZeroComment { line: usize, text: String },
     #[error(
-        "face {face} is not flat (a corner is {relative:.1e} of its size off its plane); split it \
-        into triangles"
+        "face {face} is not flat (a corner is {relative:.1e} of its size off its plane); write it \
+        with more digits, or split it into triangles"
     )]
     PolygonNotFlat { face: u32, relative: f64 },
     #[error("face {face} crosses itself; split it into triangles")]
@@ -147,6 +147,14 @@ pub enum Fault {
     GlbContainer { reason: &'static str },
     #[error("is not valid glTF 2.0 ({0}); export it again")]
     Gltf(#[source] ::gltf::Error),
+    #[error(
+        "is packed by {extension}, which is not read here; unpack it with `{command}`, or export \
+        it again without compression"
+    )]
+    GltfPacked {
+        extension: &'static str,
+        command: &'static str,
+    },
     #[error("is glTF of version {version:?}, and 2.0 is read; export it as glTF 2.0")]
     GltfVersion { version: String },
     #[error("holds the number {number}, above all indices and lengths of glTF; export it again")]
@@ -306,6 +314,17 @@ pub enum Fault {
     )]
     RimNotPlanar { vertex: usize, height: f64 },
     #[error(
+        "the rim is not planar (vertex {vertex} is {height:.1e} edge lengths off its plane), which \
+        the rounding of the coordinates (in steps of {step:.0e} file units) can cause; write the \
+        mesh with {digits} more digits, or give --lattice"
+    )]
+    RimRounded {
+        vertex: usize,
+        height: f64,
+        step: f64,
+        digits: u32,
+    },
+    #[error(
         "has {loops} boundary loops (a second one at vertex {vertex}); close the holes, join the \
         cells or give --lattice"
     )]
@@ -321,8 +340,8 @@ pub enum Fault {
     )]
     AboveRim { vertex: usize, height: f64 },
     #[error(
-        "is closed but has no flat front face opposite its apex; flatten the front face, or \
-        delete it for a hollow cell"
+        "is closed but has no flat front face opposite its apex; flatten the front face (if it \
+        should be flat, write more digits), or delete it for a hollow cell"
     )]
     NoFrontFace,
     #[error(

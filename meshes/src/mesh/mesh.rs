@@ -22,6 +22,9 @@ pub struct Mesh {
     /// It is zero for OBJ. For glTF it is the origin of the first mesh node, so that exact local
     /// vertices keep their digits under a large node translation.
     pub origin: DVec3,
+    /// Steps in which the file gives each position along the axes, file units: the unit of the last
+    /// digit, or of the last place of an f32. Empty if positions have the digits of f64.
+    pub steps: Vec<DVec3>,
     /// Vertex indices, wound counter-clockwise seen from the light (hollow facets) or outward
     /// (closed prisms).
     pub triangles: Vec<[u32; 3]>,

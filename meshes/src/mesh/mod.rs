@@ -3,6 +3,7 @@
 //! Vertices and faces enter, polygons cut into triangles. A [`mesh::Mesh`] leaves in file units and
 //! the file's frame, or an [`error::Fault`] that names the face. The room touches no other room.
 
+pub(crate) mod digits;
 pub(crate) mod error;
 pub(crate) mod mesh;
 pub(crate) mod polygon;

@@ -5,6 +5,7 @@
 
 mod damaged;
 mod designs;
+mod digits;
 mod elements;
 mod files;
 mod large;
