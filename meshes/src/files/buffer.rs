@@ -3,9 +3,11 @@
 use std::path::{Component, Path};
 
 use base64::Engine as _;
+use glam::DVec3;
 use gltf::accessor::{DataType, Dimensions};
 
 use crate::files::bounded::{MAX_BYTES, read_bounded};
+use crate::mesh::digits::single;
 use crate::mesh::error::{Counted, Fault};
 
 /// Contents of the buffers of a glTF document, in its order.
@@ -71,22 +73,17 @@ impl Buffers {
         Ok(buffers)
     }
 
-    /// Returns the elements of an accessor as little-endian bytes, each as long as its type.
+    /// Returns `count` elements of `width` bytes in a view, from `offset` on.
     ///
     /// # Errors
-    /// Returns the reason, in words, if the accessor is sparse, has no view, or runs out of its
-    /// buffer.
+    /// Returns the reason, in words, if they run out of the buffer.
     fn elements<'b>(
         &'b self,
-        accessor: &gltf::Accessor<'_>,
+        view: gltf::buffer::View<'_>,
+        offset: usize,
+        count: usize,
+        width: usize,
     ) -> Result<impl Iterator<Item = &'b [u8]>, &'static str> {
-        if accessor.sparse().is_some() {
-            return Err("it is sparse");
-        }
-        let view = accessor
-            .view()
-            .ok_or("it has no bytes: compressed meshes are not read")?;
-        let width = accessor.size();
         let stride = view.stride().unwrap_or(width);
         if stride < width {
             return Err("its stride is shorter than its elements");
@@ -96,9 +93,8 @@ impl Buffers {
         let end = view.offset().checked_add(view.length()).ok_or(outside)?;
         let content = content
             .get(view.offset()..end)
-            .and_then(|c| c.get(accessor.offset()..))
+            .and_then(|c| c.get(offset..))
             .ok_or(outside)?;
-        let count = accessor.count();
         let needed = count
             .checked_sub(1)
             .and_then(|n| n.checked_mul(stride))
@@ -109,24 +105,107 @@ impl Buffers {
         Ok((0..count).map(move |element| &content[element * stride..element * stride + width]))
     }
 
-    /// Returns the positions of an accessor: vectors of three f32.
+    /// Returns the values of an accessor, each decoded from its little-endian bytes.
+    ///
+    /// A sparse accessor replaces some of its values; without a view the others are `zero`. The
+    /// caller bounds the number of values.
+    ///
+    /// # Errors
+    /// Returns the reason, in words, if the accessor has no bytes, or runs out of its buffer.
+    fn values<T: Copy>(
+        &self,
+        accessor: &gltf::Accessor<'_>,
+        zero: T,
+        decode: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>, &'static str> {
+        let (count, width) = (accessor.count(), accessor.size());
+        let mut values: Vec<T> = match accessor.view() {
+            Some(view) => self
+                .elements(view, accessor.offset(), count, width)?
+                .map(&decode)
+                .collect(),
+            None if accessor.sparse().is_some() => vec![zero; count],
+            None => return Err("it has no bytes"),
+        };
+        let Some(sparse) = accessor.sparse() else {
+            return Ok(values);
+        };
+        let (places, new) = (sparse.indices(), sparse.values());
+        let size = places.index_type().size();
+        let places = self.elements(places.view(), places.offset(), sparse.count(), size)?;
+        let new = self.elements(new.view(), new.offset(), sparse.count(), width)?;
+        for (place, bytes) in places.zip(new) {
+            let value = values.get_mut(number(place) as usize);
+            *value.ok_or("a sparse index is beyond its elements")? = decode(bytes);
+        }
+        Ok(values)
+    }
+
+    /// Returns the positions of an accessor, and the steps in which they are given: vectors of
+    /// three f32, or of three integers of 8 or 16 bits (`KHR_mesh_quantization`).
     ///
     /// # Errors
     /// Returns the reason, in words, if the type is another or the elements cannot be read.
     pub(crate) fn positions(
         &self,
         accessor: &gltf::Accessor<'_>,
-    ) -> Result<Vec<[f32; 3]>, &'static str> {
+    ) -> Result<(Vec<DVec3>, Vec<DVec3>), &'static str> {
+        if accessor.data_type() == DataType::F32 {
+            let positions = self.vectors(accessor)?;
+            let steps = positions.iter().map(|&p| single(p)).collect();
+            return Ok((positions, steps));
+        }
+        let (bits, signed) = match accessor.data_type() {
+            DataType::I8 => (8, true),
+            DataType::U8 => (8, false),
+            DataType::I16 => (16, true),
+            DataType::U16 => (16, false),
+            DataType::U32 | DataType::F32 => return Err("it is made of integers of 32 bits"),
+        };
+        if accessor.dimensions() != Dimensions::Vec3 {
+            return Err("it is not made of three numbers each");
+        }
+        let largest = f64::from((1_i32 << (bits - i32::from(signed))) - 1);
+        let unit = if accessor.normalized() {
+            1.0 / largest
+        } else {
+            1.0
+        };
+        let decode = |bytes: &[u8]| {
+            let component = |bytes: &[u8]| {
+                let number = number(bytes) as i32;
+                let wraps = signed && number >> (bits - 1) == 1;
+                let least = if accessor.normalized() {
+                    -largest
+                } else {
+                    f64::MIN
+                };
+                // The least integer has no positive counterpart: normalised it is -1 too.
+                f64::from(if wraps { number - (1 << bits) } else { number }).max(least) * unit
+            };
+            let width = bytes.len() / 3;
+            DVec3::from_array([0, 1, 2].map(|k| component(&bytes[k * width..(k + 1) * width])))
+        };
+        let positions = self.values(accessor, DVec3::ZERO, decode)?;
+        let steps = vec![DVec3::splat(unit); positions.len()];
+        Ok((positions, steps))
+    }
+
+    /// Returns the vectors of an accessor of three f32 each, such as normals.
+    ///
+    /// # Errors
+    /// Returns the reason, in words, if the type is another or the elements cannot be read.
+    pub(crate) fn vectors(
+        &self,
+        accessor: &gltf::Accessor<'_>,
+    ) -> Result<Vec<DVec3>, &'static str> {
         if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
             return Err("it is not made of three 32-bit floats each");
         }
-        let float = |bytes: &[u8], at: usize| {
-            f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
-        };
-        Ok(self
-            .elements(accessor)?
-            .map(|e| [float(e, 0), float(e, 4), float(e, 8)])
-            .collect())
+        self.values(accessor, DVec3::ZERO, |bytes| {
+            let component = |at: usize| f64::from(f32::from_bits(number(&bytes[at..at + 4])));
+            DVec3::new(component(0), component(4), component(8))
+        })
     }
 
     /// Returns the indices of an accessor: unsigned integers of 8, 16 or 32 bits.
@@ -141,14 +220,16 @@ impl Buffers {
         if !unsigned || accessor.dimensions() != Dimensions::Scalar {
             return Err("it is not made of unsigned integers");
         }
-        let number = |bytes: &[u8]| {
-            bytes
-                .iter()
-                .rev()
-                .fold(0_u32, |number, &byte| number << 8 | u32::from(byte))
-        };
-        Ok(self.elements(accessor)?.map(number).collect())
+        self.values(accessor, 0, number)
     }
+}
+
+/// Returns the unsigned integer of at most four little-endian bytes.
+fn number(bytes: &[u8]) -> u32 {
+    bytes
+        .iter()
+        .rev()
+        .fold(0, |number, &byte| number << 8 | u32::from(byte))
 }
 
 /// Returns the bytes behind a URI and whether they came from a file of their own.

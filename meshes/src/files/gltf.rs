@@ -40,7 +40,8 @@ pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
     let (json, binary) = if glb::is_binary(bytes) {
         glb::chunks(bytes)?
     } else {
-        (bytes, None)
+        // A text may begin with a byte order mark.
+        (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None)
     };
     light(json)?;
     numbers_fit(json)?;
@@ -125,12 +126,31 @@ fn numbers_fit(json: &[u8]) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Extensions that pack a mesh so that it is not read here, each with the command that unpacks it.
+const PACKED: [(&str, &str); 3] = [
+    (
+        "KHR_draco_mesh_compression",
+        "gltf-transform cp IN.glb OUT.glb",
+    ),
+    (
+        "EXT_meshopt_compression",
+        "gltfpack -noq -i IN.glb -o OUT.glb",
+    ),
+    (
+        "KHR_meshopt_compression",
+        "gltfpack -noq -i IN.glb -o OUT.glb",
+    ),
+];
+
+/// Extension of integers for positions, which the `gltf` crate does not know and refuses.
+const QUANTIZED: &str = "KHR_mesh_quantization";
+
 /// Parses the document and validates it with the `gltf` crate.
 ///
 /// The crate looks positions up before it checks their index, and panics if the index is wrong. So
 /// the indices are checked first.
 fn validated(json: &[u8]) -> Result<Document, Fault> {
-    let root = Gltf::from_slice_without_validation(json)
+    let mut root = Gltf::from_slice_without_validation(json)
         .map_err(Fault::Gltf)?
         .document
         .into_json();
@@ -143,6 +163,17 @@ fn validated(json: &[u8]) -> Result<Document, Fault> {
         let version = other.chars().take(40).collect();
         return Err(Fault::GltfVersion { version });
     }
+    let packed = |names: &[String]| {
+        let mut known = PACKED.into_iter();
+        known.find(|(extension, _)| names.iter().any(|name| name == extension))
+    };
+    let as_packed = |(extension, command)| Fault::GltfPacked { extension, command };
+    if let Some(found) = packed(&root.extensions_required) {
+        return Err(as_packed(found));
+    }
+    // A file that only uses it may hold the plain mesh too.
+    let used = packed(&root.extensions_used);
+    root.extensions_required.retain(|name| name != QUANTIZED);
     let positions = ::gltf::json::validation::Checked::Valid(::gltf::Semantic::Positions);
     for (mesh, source) in root.meshes.iter().enumerate() {
         let accessors = source
@@ -160,7 +191,7 @@ fn validated(json: &[u8]) -> Result<Document, Fault> {
             });
         }
     }
-    Document::from_json(root).map_err(Fault::Gltf)
+    Document::from_json(root).map_err(|error| used.map_or(Fault::Gltf(error), as_packed))
 }
 
 /// Appends every mesh of the scene, depth first.
@@ -264,7 +295,7 @@ fn append(
             .get(&::gltf::Semantic::Positions)
             .ok_or(wrong("positions")("it has none"))?;
         within(Counted::Vertices, mesh.positions.len(), accessor.count())?;
-        let local = buffers.positions(&accessor).map_err(wrong("positions"))?;
+        let (local, steps) = buffers.positions(&accessor).map_err(wrong("positions"))?;
         let indices = match primitive.indices() {
             Some(accessor) => {
                 within(
@@ -306,10 +337,13 @@ fn append(
         } else if !mesh.corner_normals.is_empty() {
             mesh.corner_normals.resize(mesh.triangles.len(), [None; 3]);
         }
-        mesh.positions.extend(
-            local
+        mesh.positions
+            .extend(local.iter().map(|&p| here.linear * p + offset));
+        let [x, y, z] = [0, 1, 2].map(|k| here.linear.col(k).abs());
+        mesh.steps.extend(
+            steps
                 .iter()
-                .map(|p| here.linear * DVec3::from_array(p.map(f64::from)) + offset),
+                .map(|step| x * step.x + y * step.y + z * step.z),
         );
         // Keep the decimal digits that were typed: 1.49, not the f32 next to it.
         let typed = |index: f32| index.to_string().parse().unwrap_or(f64::from(index));
@@ -338,11 +372,13 @@ fn normals(
 ) -> Option<Vec<DVec3>> {
     let vertices = primitive.get(&::gltf::Semantic::Positions)?.count();
     let accessor = primitive.get(&::gltf::Semantic::Normals)?;
-    let normals = buffers.positions(&accessor).ok()?;
+    if accessor.count() != vertices {
+        return None;
+    }
     // The normal of a plane transforms with the inverse transpose.
     let turn = here.linear.inverse().transpose();
-    let turned = |n: &[f32; 3]| turn * DVec3::from_array(n.map(f64::from));
-    (normals.len() == vertices).then(|| normals.iter().map(turned).collect())
+    let normals = buffers.vectors(&accessor).ok()?;
+    Some(normals.into_iter().map(|n| turn * n).collect())
 }
 
 /// Checks a count before anything of its size is allocated.

@@ -4,9 +4,11 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use base64::Engine as _;
 use glam::DVec3;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, load_cell, normalise};
+use meshes::{Cell, CellOptions, gltf, load_cell, normalise, obj};
+use serde_json::{Value, json};
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -215,7 +217,11 @@ fn every_good_file_is_its_cell() {
     // Columns: file, cell, edge length, warnings, closed. Coordinates are exact f32 or decimal, so
     // only rounding is left, 4e-15 (a few operations on numbers up to 2). The second node of the
     // pair has an f32 quaternion with three equal entries, exact once renormalised.
-    let cases: [(&str, &Cell, f64, usize, bool); 21] = [
+    // Integers of 16 bits are exact; only the scale of their node is an f32.
+    let quantized = 3.0 * f64::from(3.2767_f32) / 3.2767;
+    let cases: [(&str, &Cell, f64, usize, bool); 23] = [
+        ("byte_order_mark.obj", &full, 3.0, 0, false),
+        ("quantized.glb", &pair, quantized, 0, false),
         ("quads.obj", &full, 3.0, 0, false),
         ("negative_indices.obj", &single, 3.0, 0, false),
         ("millimetres.obj", &single, 0.05, 0, false),
@@ -285,11 +291,202 @@ fn every_good_file_is_its_cell() {
             );
         }
     }
-    let buffers = 1;
+    // A buffer, and a cell with a cant and dihedral errors.
+    let others = 2;
     assert_eq!(
         std::fs::read_dir(folder("good")).expect("a folder").count(),
-        cases.len() + buffers
+        cases.len() + others
     );
+}
+
+/// Marks, line ends and comments that other programs write change no mesh but its hash: every good
+/// OBJ with a byte order mark, with the line ends of Windows and of old Macs, and with comments
+/// behind its vertices, normals and faces.
+#[test]
+fn marks_line_ends_and_comments_change_nothing() {
+    let mut cases = 0;
+    for entry in std::fs::read_dir(folder("good")).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|e| e != "obj") {
+            continue;
+        }
+        let bytes = std::fs::read(&path).expect("a file");
+        let text = String::from_utf8_lossy(&bytes);
+        let text = text.trim_start_matches('\u{feff}');
+        let lines: Vec<String> = text
+            .lines()
+            .map(
+                |line| match line.starts_with(['v', 'f']) && !line.ends_with('\\') {
+                    true => format!("{line} # 1 2 C:\\"),
+                    false => line.to_owned(),
+                },
+            )
+            .collect();
+        let parsed = |text: &str| meshes::Mesh {
+            hash: String::new(),
+            ..obj::parse(text.as_bytes()).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+        };
+        let plain = parsed(text);
+        for other in [
+            format!("\u{feff}{text}"),
+            text.replace('\n', "\r\n"),
+            text.replace('\n', "\r"),
+            lines.join("\n"),
+        ] {
+            assert_eq!(parsed(&other), plain, "{}", path.display());
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 4 * 12);
+}
+
+/// A sparse accessor gives the positions that replace its own: those of the mesh from which it was
+/// made, in single precision. Without a view all other positions are 0.
+#[test]
+fn sparse_positions_are_read() {
+    let expected = [
+        [0.0; 3],
+        [
+            2.2074581729392224,
+            0.00033116015097033464,
+            -0.00011049709359452835,
+        ],
+        [
+            0.00044999164230529517,
+            2.999568927150349,
+            -0.00074992602912659603,
+        ],
+        [
+            -0.00015016876908553086,
+            -0.0007500337703154193,
+            2.9999999024831125,
+        ],
+        [
+            0.088833133242754769,
+            1.4402326922435691,
+            -1.5607276931592884,
+        ],
+        [2.2080583333506132, 3.0006501210716348, -3.0008603256058337],
+    ];
+    let mesh = meshes::load(&folder("good/sparse.glb")).expect("a mesh");
+    assert_eq!(mesh.positions.len(), expected.len());
+    // f32 keeps 6e-8 of each number.
+    let near = |p: &DVec3, q: [f64; 3]| p.abs_diff_eq(q.into(), 3e-7);
+    let mut pairs = mesh.positions.iter().zip(expected);
+    assert!(pairs.all(|(p, q)| near(p, q)), "{:?}", mesh.positions);
+    load_cell(&folder("good/sparse.glb"), &CellOptions::default()).expect("a cell");
+
+    // Without a view: the outer corners of the single cube, all else 0. A sparse index beyond the
+    // positions is refused.
+    let single = load_cell(&folder("good/embedded.gltf"), &CellOptions::default()).expect("a cell");
+    for (last, read) in [(3, true), (4, false)] {
+        let mesh = gltf::parse(
+            &document(|json, buffer| {
+                let at = buffer.len();
+                buffer.extend([1, 2, last]);
+                let views = json["bufferViews"].as_array_mut().expect("views");
+                views.push(json!({ "buffer": 0, "byteOffset": at, "byteLength": 3 }));
+                let positions = json["accessors"][0].as_object_mut().expect("an accessor");
+                positions.remove("bufferView");
+                let sparse = json!({
+                    "count": 3,
+                    "indices": { "bufferView": 2, "componentType": 5121 },
+                    "values": { "bufferView": 0, "byteOffset": 12 },
+                });
+                positions.insert("sparse".into(), sparse);
+            }),
+            None,
+        );
+        match mesh {
+            Ok(mesh) => {
+                assert!(read);
+                let cell = normalise(&mesh, Path::new("sparse"), &CellOptions::default());
+                assert_eq!(cell.expect("a cell").facets, single.facets);
+            }
+            Err(fault) => assert!(
+                !read && fault.to_string().contains("sparse index"),
+                "{fault}"
+            ),
+        }
+    }
+}
+
+/// The document of `embedded.gltf` with changes to its JSON and its buffer.
+fn document(change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Vec<u8> {
+    let engine = base64::engine::general_purpose::STANDARD;
+    let text = std::fs::read_to_string(folder("good/embedded.gltf")).expect("reads");
+    let mut json: Value = serde_json::from_str(&text).expect("JSON");
+    let uri = json["buffers"][0]["uri"].as_str().expect("a text");
+    let (start, packed) = uri.split_once(',').expect("data");
+    let (start, mut buffer) = (start.to_owned(), engine.decode(packed).expect("base64"));
+    change(&mut json, &mut buffer);
+    json["buffers"][0] = json!({
+        "byteLength": buffer.len(),
+        "uri": format!("{start},{}", engine.encode(&buffer)),
+    });
+    json.to_string().into_bytes()
+}
+
+/// Integers of 8 and 16 bits, normalised or not (`KHR_mesh_quantization`): a corner of the single
+/// cube at the integer k lies at k, or at k over the largest integer, in units of the node's scale.
+/// A signed integer below 0 lies as far on the other side, and the least one at -1.
+#[test]
+fn quantised_positions_are_read() {
+    let types: [(u32, i64, i64, usize); 4] = [
+        (5120, -128, 127, 1),
+        (5121, 0, 255, 1),
+        (5122, -32768, 32767, 2),
+        (5123, 0, 65535, 2),
+    ];
+    let mut cases = 0;
+    for (component, least, largest, width) in types {
+        for normalized in [false, true] {
+            for at in [100, largest, least] {
+                if at == 0 {
+                    continue;
+                }
+                let bytes = document(|json, buffer| {
+                    let start = buffer.len();
+                    for corner in 0..4 {
+                        let own = [0, 1, 2].map(|axis| if axis + 1 == corner { at } else { 0 });
+                        let vertex = own.map(|k| k.to_le_bytes()[..width].to_vec()).concat();
+                        buffer.extend(vertex);
+                        buffer.resize(start + (corner + 1) * 4 * width, 0);
+                    }
+                    json["bufferViews"][0] = json!({
+                        "buffer": 0, "byteOffset": start, "byteLength": 16 * width,
+                        "byteStride": 4 * width,
+                    });
+                    let accessor = &mut json["accessors"][0];
+                    accessor["componentType"] = component.into();
+                    accessor["normalized"] = normalized.into();
+                    accessor["min"] = json!([at.min(0), at.min(0), at.min(0)]);
+                    accessor["max"] = json!([at.max(0), at.max(0), at.max(0)]);
+                    json["nodes"][0]["scale"] = json!([2, 2, 2]);
+                    json["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
+                    json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+                });
+                let mesh = gltf::parse(&bytes, None).unwrap_or_else(|e| panic!("{e}"));
+                let unit = if normalized {
+                    2.0 / largest as f64
+                } else {
+                    2.0
+                };
+                let expected = match normalized {
+                    true => (unit * at as f64).max(-2.0),
+                    false => unit * at as f64,
+                };
+                let found = mesh.positions[1].x;
+                assert!(
+                    (found / expected - 1.0).abs() < 4e-16,
+                    "{component} {at}: {found}"
+                );
+                assert_eq!(mesh.positions[1].y, 0.0);
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!(cases, 20);
 }
 
 /// A changed buffer must change the hash, even if the document stays unchanged.
