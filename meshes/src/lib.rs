@@ -1,4 +1,4 @@
-//! Corner-cube cells: meshes are loaded (OBJ, glTF/GLB), checked, normalised and designed here.
+//! Corner-cube cells: meshes are loaded (OBJ, glTF/GLB, STL, PLY), checked, normalised and designed here.
 //!
 //! A [`Mesh`] is the content of a file, in file units. A [`Cell`] is what rays are traced through:
 //! facets in the **cell frame**, edge length 1, with the entrance, the lattice and the provenance.
@@ -28,6 +28,6 @@ pub use cell::normalise::{load_cell, normalise};
 pub use cell::normals::Normals;
 pub use cell::options::CellOptions;
 pub use files::load::load;
-pub use files::{gltf, obj, write};
+pub use files::{gltf, obj, ply, stl, write};
 pub use mesh::error::{Counted, Error, Fault};
 pub use mesh::mesh::Mesh;

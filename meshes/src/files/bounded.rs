@@ -1,16 +1,26 @@
-//! Reading of a file of a bounded size.
+//! Bounds of what is read: the size of a file, and numbers of elements.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use crate::mesh::error::{Counted, Fault};
+use crate::mesh::mesh::MAX_ELEMENTS;
 
 /// Largest file, and most bytes of all buffers of a mesh.
 ///
-/// Sheets of thousands of cells take some MiB. With [`crate::mesh::mesh::MAX_ELEMENTS`] it keeps
-/// the memory of a mesh below 1 GiB.
+/// Sheets of thousands of cells take some MiB. With [`MAX_ELEMENTS`] it keeps the memory of a mesh below 1 GiB.
 pub(crate) const MAX_BYTES: u64 = 1 << 27;
+
+/// Checks that a number of elements is at most [`MAX_ELEMENTS`], before anything of its size is
+/// allocated.
+pub(crate) fn within(what: Counted, found: usize) -> Result<(), Fault> {
+    let (found, limit) = (found as u64, MAX_ELEMENTS as u64);
+    match found > limit {
+        true => Err(Fault::TooLarge { what, found, limit }),
+        false => Ok(()),
+    }
+}
 
 /// Reads a regular file of at most `limit` bytes.
 ///

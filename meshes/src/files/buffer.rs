@@ -225,7 +225,7 @@ impl Buffers {
 }
 
 /// Returns the unsigned integer of at most four little-endian bytes.
-fn number(bytes: &[u8]) -> u32 {
+pub(crate) fn number(bytes: &[u8]) -> u32 {
     bytes
         .iter()
         .rev()

@@ -14,10 +14,11 @@ use ::gltf::{Document, Gltf, Node};
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;
 
+use crate::files::bounded::within;
 use crate::files::buffer::Buffers;
 use crate::files::glb;
 use crate::mesh::error::{Counted, Fault};
-use crate::mesh::mesh::{GLASS, MAX_ELEMENTS, Mesh, sha256};
+use crate::mesh::mesh::{GLASS, Mesh, sha256};
 
 /// Frame of a node in the scene.
 #[derive(Clone, Copy)]
@@ -294,14 +295,15 @@ fn append(
         let accessor = primitive
             .get(&::gltf::Semantic::Positions)
             .ok_or(wrong("positions")("it has none"))?;
-        within(Counted::Vertices, mesh.positions.len(), accessor.count())?;
+        let count = |have: usize, more: usize| have.saturating_add(more);
+        let vertices = count(mesh.positions.len(), accessor.count());
+        within(Counted::Vertices, vertices)?;
         let (local, steps) = buffers.positions(&accessor).map_err(wrong("positions"))?;
         let indices = match primitive.indices() {
             Some(accessor) => {
                 within(
                     Counted::Triangles,
-                    3 * mesh.triangles.len(),
-                    accessor.count() / 3,
+                    count(3 * mesh.triangles.len(), accessor.count() / 3),
                 )?;
                 buffers.indices(&accessor).map_err(wrong("indices"))?
             }
@@ -309,7 +311,10 @@ fn append(
         };
         let triangles = triangles(primitive.mode(), &indices)
             .map_err(|mode| Fault::NotTriangles { mesh: index, mode })?;
-        within(Counted::Triangles, mesh.triangles.len(), triangles.len())?;
+        within(
+            Counted::Triangles,
+            count(mesh.triangles.len(), triangles.len()),
+        )?;
         let first = mesh.positions.len() as u32;
         let glass = primitive.material().name() == Some(GLASS);
         let normals = normals(&primitive, here, buffers);
@@ -379,17 +384,6 @@ fn normals(
     let turn = here.linear.inverse().transpose();
     let normals = buffers.vectors(&accessor).ok()?;
     Some(normals.into_iter().map(|n| turn * n).collect())
-}
-
-/// Checks a count before anything of its size is allocated.
-fn within(what: Counted, have: usize, more: usize) -> Result<(), Fault> {
-    let found = have.saturating_add(more) as u64;
-    let limit = MAX_ELEMENTS as u64;
-    if found > limit {
-        Err(Fault::TooLarge { what, found, limit })
-    } else {
-        Ok(())
-    }
 }
 
 /// Returns the triangles of a primitive, wound as glTF 2.0 says.

@@ -11,9 +11,10 @@ use std::num::NonZeroU32;
 
 use glam::DVec3;
 
+use crate::files::bounded::within;
 use crate::mesh::digits::Digits;
 use crate::mesh::error::{Counted, Fault};
-use crate::mesh::mesh::{GLASS, MAX_ELEMENTS, Mesh, sha256};
+use crate::mesh::mesh::{GLASS, Mesh, sha256};
 use crate::mesh::polygon;
 
 /// Parses an OBJ file.
@@ -132,13 +133,7 @@ fn survey(text: &str, mesh: &mut Mesh, digits: &mut Digits) -> Result<(usize, us
         // A polygon of n corners makes n - 2 triangles, at least n / 3.
         (Counted::Triangles, words / 3),
     ] {
-        if found > MAX_ELEMENTS {
-            return Err(Fault::TooLarge {
-                what,
-                found: found as u64,
-                limit: MAX_ELEMENTS as u64,
-            });
-        }
+        within(what, found)?;
     }
     if !mesh.glass.contains(&true) {
         mesh.glass = Vec::new();
@@ -208,14 +203,7 @@ fn triangulate(
     for (face, &arity) in (1_u32..).zip(&arities[1..]) {
         let corners = &indices[start..start + arity as usize];
         start += arity as usize;
-        if mesh.triangles.len() + corners.len() > MAX_ELEMENTS {
-            let found = (mesh.triangles.len() + corners.len()) as u64;
-            return Err(Fault::TooLarge {
-                what: Counted::Triangles,
-                found,
-                limit: MAX_ELEMENTS as u64,
-            });
-        }
+        within(Counted::Triangles, mesh.triangles.len() + corners.len())?;
         all_triangles &= corners.len() == 3;
         let before = mesh.triangles.len();
         polygon::cut(&mesh.positions, corners, face, &mut mesh.triangles)?;
@@ -266,7 +254,7 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
 /// and `# hollow`, which stands alone.
 ///
 /// Other comments are ignored.
-fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
+pub(crate) fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
     let content = content.trim_start_matches('#').trim();
     let (key, value) = content
         .split_once(char::is_whitespace)

@@ -49,6 +49,8 @@ pub enum Counted {
     JsonValues,
     /// Corners of one polygon.
     Corners,
+    /// Elements of one kind of a PLY file.
+    Elements,
 }
 
 impl std::fmt::Display for Counted {
@@ -62,6 +64,7 @@ impl std::fmt::Display for Counted {
             Self::Json => "bytes of JSON",
             Self::JsonValues => "bytes of JSON outside of texts",
             Self::Corners => "corners of one polygon",
+            Self::Elements => "elements of one kind",
         })
     }
 }
@@ -79,7 +82,8 @@ pub enum Fault {
     #[error("cannot be written ({0}); check the folder and its permissions")]
     Unwritable(#[source] std::io::Error),
     #[error(
-        "{}, so it is no mesh format read here; convert it to .obj, .gltf or .glb",
+        "{}, so it is no mesh format read here; convert it to .obj, .gltf, .glb, .stl or \
+        .ply",
         match extension.as_str() {
             "" => "has no extension".to_owned(),
             other => format!("has the extension '{other}'"),
@@ -141,6 +145,24 @@ pub enum Fault {
     PolygonNotFlat { face: u32, relative: f64 },
     #[error("face {face} crosses itself; split it into triangles")]
     PolygonCrossed { face: u32 },
+
+    // ---- STL and PLY
+    #[error("line {line} is not STL: '{text}'; correct that line, or export it as binary STL")]
+    StlLine { line: usize, text: String },
+    #[error("is a text that ends before 'endsolid', so triangles may be missing; export it again")]
+    StlCut,
+    #[error(
+        "has {found} bytes, where its count of triangles asks for {expected}, and is no text of \
+        STL; export it again"
+    )]
+    StlLength { found: usize, expected: usize },
+    #[error(
+        "{}cannot be parsed as PLY ({reason}); export it again",
+        line.map_or(String::new(), |line| format!("line {line} "))
+    )]
+    Ply { line: Option<usize>, reason: String },
+    #[error("face {face} has {corners} corners; give it three or more, or delete it")]
+    FewFaceCorners { face: u32, corners: usize },
 
     // ---- glTF
     #[error("is not a binary glTF file ({reason}); export it again as glTF 2.0 (.glb)")]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3};
 use meshes::design::{Design, Shape};
-use meshes::{CellOptions, Mesh, normalise, obj, write};
+use meshes::{CellOptions, Mesh, normalise, obj, ply, stl, write};
 
 /// Text of a mesh whose coordinates `number` writes.
 fn text(mesh: &Mesh, number: impl Fn(f64) -> String) -> String {
@@ -131,6 +131,47 @@ fn a_mesh_in_metres_of_six_decimals_is_said() {
     let sentences = said_of(TRIAL);
     assert_eq!(sentences.len(), 1, "{sentences:?}");
     assert!((3..=5).contains(&missing(&sentences[0])), "{sentences:?}");
+
+    // The same in STL, and in PLY behind another element and a number of more digits.
+    let words = |key: &str| -> Vec<&str> {
+        let lines = TRIAL.lines().filter_map(|line| line.strip_prefix(key));
+        lines.map(str::trim).collect()
+    };
+    let (vertices, faces) = (words("v"), words("f"));
+    let corners = |face: &str| -> Vec<usize> {
+        let numbers = face.split(' ').map(|word| word.parse::<usize>());
+        numbers
+            .map(|number| number.expect("an index") - 1)
+            .collect()
+    };
+    let facet = |face: &&str| {
+        let corners = corners(face);
+        let lines = corners.iter().map(|&k| format!("vertex {}\n", vertices[k]));
+        let lines: String = lines.collect();
+        format!("facet normal 0 0 0\nouter loop\n{lines}endloop\nendfacet\n")
+    };
+    let facets: String = faces.iter().map(facet).collect();
+    let text = format!("solid\n{facets}endsolid\n");
+    let stl = said(&stl::parse(text.as_bytes()).expect("an STL"));
+    assert_eq!(stl, sentences);
+    let mut body = String::from("1 2 3\n");
+    vertices
+        .iter()
+        .for_each(|v| body += &format!("0.123456789 {v}\n"));
+    for face in &faces {
+        let numbers = corners(face).into_iter().map(|k| format!(" {k}"));
+        body += &format!("3{}\n", numbers.collect::<String>());
+    }
+    for number in ["float", "double"] {
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement camera 1\nproperty list uchar int at\n\
+            property int up\nelement vertex 6\nproperty float quality\n\
+            property {number} x\nproperty {number} y\nproperty {number} z\nelement face 6\n\
+            property list uchar int vertex_indices\nend_header\n{body}"
+        );
+        let ply = said(&ply::parse(text.as_bytes()).expect("a PLY"));
+        assert_eq!(ply, sentences, "{number}");
+    }
 }
 
 /// Single precision far from the origin of a file is rounding too, and close to it is none that

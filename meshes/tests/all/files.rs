@@ -45,7 +45,7 @@ fn every_bad_file_gets_its_message() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert_eq!(cases, 75);
+    assert_eq!(cases, 100);
 }
 
 /// A pipe is not waited for, and a link does not lead out of the folder of the mesh.
@@ -219,8 +219,16 @@ fn every_good_file_is_its_cell() {
     // pair has an f32 quaternion with three equal entries, exact once renormalised.
     // Integers of 16 bits are exact; only the scale of their node is an f32.
     let quantized = 3.0 * f64::from(3.2767_f32) / 3.2767;
-    let cases: [(&str, &Cell, f64, usize, bool); 23] = [
+    let cases: [(&str, &Cell, f64, usize, bool); 29] = [
         ("byte_order_mark.obj", &full, 3.0, 0, false),
+        // Written by numpy-stl, trimesh and plyfile, and one as CAD programs head their binary
+        // files.
+        ("ascii.stl", &pair, 3.0, 0, false),
+        ("binary.stl", &pair, 3.0, 0, false),
+        ("solid_header.stl", &pair, 3.0, 0, false),
+        ("ascii.ply", &full, 3.0, 0, false),
+        ("big_endian.ply", &full, 3.0, 0, false),
+        ("single.ply", &pair, 3.0, 0, false),
         ("quantized.glb", &pair, quantized, 0, false),
         ("quads.obj", &full, 3.0, 0, false),
         ("negative_indices.obj", &single, 3.0, 0, false),
