@@ -14,7 +14,7 @@ use tables::options::Method;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let Some(file) = std::env::args_os().nth(1).map(PathBuf::from) else {
-        return Err("give a mesh: .obj, .gltf or .glb".into());
+        return Err("give a mesh: .obj, .gltf, .glb, .stl or .ply".into());
     };
     // Light comes from +z of the file. A lattice or a scale would be given in these options.
     let prepared = Prepared::new(meshes::load_cell(&file, &CellOptions::default())?);

@@ -15,7 +15,11 @@ const OUTERMOST: f64 = 1e-4;
 const DEVIATED: f64 = 0.01;
 
 /// Bins of deviations, in the rms spread of the light, below which a warning calls them coarse.
-const FEW_BINS: f64 = 2.0;
+///
+/// A bin of width w takes 1 - sinc(f R w) of an MTF. Of a Gaussian lobe with the rms s along each
+/// axis that is at most 0.031 (w / s)^2, at any distance: 1 % where the rms of both axes together is
+/// 2.5 w.
+const FEW_BINS: f64 = 2.5;
 
 /// Width of a bin of deviations, mrad, that is fine enough for any cell: 10 um at 1 m.
 const FINE_MRAD: f64 = 0.01;
@@ -116,7 +120,7 @@ impl Trace<'_> {
                 "exit directions are counted in bins of {width:.4} mrad, which is coarse for their \
                 spread (rms {:.4} mrad); give --deviations {:.4}",
                 1e3 * rms,
-                (range / 20.0).max(8e3 * rms)
+                found.advised_mrad()
             ));
         }
         warnings

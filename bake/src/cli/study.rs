@@ -15,7 +15,7 @@ use tables::options::{Back, SceneOptions};
 /// Options of `bake study`.
 #[derive(Debug, Args)]
 pub(crate) struct StudyArgs {
-    /// Mesh file of one cell: .obj, .gltf or .glb
+    /// Mesh file of one cell: .obj, .gltf, .glb, .stl or .ply
     mesh: PathBuf,
     /// Refractive index behind the front face [default: the file's, else 1]
     #[arg(long, value_parser = number, value_name = "M", allow_negative_numbers = true)]

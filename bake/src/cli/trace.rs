@@ -24,7 +24,7 @@ use tables::{Output, Outputs, Table};
 #[derive(Debug, Args)]
 #[command(mut_arg("deviations", |arg| arg.help_heading(heading::ACCURACY)))]
 pub(crate) struct TraceArgs {
-    /// Mesh file of one cell: .obj, .gltf or .glb
+    /// Mesh file of one cell: .obj, .gltf, .glb, .stl or .ply
     mesh: PathBuf,
     /// Table to write, an HDF5 file
     ///

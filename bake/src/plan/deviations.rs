@@ -9,7 +9,7 @@ use crate::plan::plan::Plan;
 use crate::plan::scene::no_planes;
 use glam::DVec3;
 use tables::deviation::Grid;
-use tables::options::{Element, Record, SceneOptions};
+use tables::options::{Element, Front, Record, SceneOptions};
 
 /// Largest error of an angle that counts as a right angle, rad.
 ///
@@ -24,6 +24,12 @@ const MOST_PLANES: usize = 2048;
 ///
 /// The error of such an angle is above [`RIGHT`]. A body with more of them stands for a curved one.
 const MOST_PAIRS: usize = 1024;
+
+/// Cosine of the angle (20 deg) within which normals are those of one curved face.
+const SAME_FACE_COS: f64 = 0.94;
+
+/// Largest number of curved faces of a cell whose light is bounded by their slopes.
+const MOST_FACES: usize = 64;
 
 /// Number of bins along each axis where light leaves in a few directions.
 ///
@@ -80,8 +86,15 @@ impl Plan {
             roughness: None,
             ..self.scene
         };
+        let rough = self.scene.roughness.as_ref().map_or(0.0, reach_rad);
+        // Glass sends light in a cone, and light that a front face traps meets many mirrors.
+        let three = self.scene.glass_index.is_none() && self.scene.front == Front::Once;
+        let curved = || match curved_turn(prepared.cell(), tolerance).filter(|_| three) {
+            Some(turn) => ExitPattern::Lobe(tolerance.min(turn + rough)),
+            None => ExitPattern::Lobe(tolerance),
+        };
         if no_planes(&smooth).is_some() {
-            return ExitPattern::Lobe(tolerance);
+            return curved();
         }
         // The mirrors of a plate stand at right angles to the plate too.
         let upright = (self.scene.element == Element::Plate).then_some(DVec3::Z);
@@ -95,18 +108,75 @@ impl Plan {
             }
             Err(_) => angle_error(&prepared.cell().facets),
         };
-        // Three mirrors whose angles are wrong by a, b and c turn light by at most 2 sqrt(a^2 + b^2
-        // + c^2), to first order.
-        let turn = |error: f64| 2.0 * 3_f64.sqrt() * error;
         match (error, self.scene.roughness) {
-            (None, _) => ExitPattern::Lobe(tolerance),
-            (Some(error), Some(roughness)) => {
-                ExitPattern::Lobe(tolerance.min(turn(error) + reach_rad(&roughness)))
-            }
+            (None, _) => curved(),
+            (Some(error), Some(_)) => ExitPattern::Lobe(tolerance.min(turn(error) + rough)),
             (Some(error), None) if error <= RIGHT => ExitPattern::Straight,
             (Some(error), None) => ExitPattern::Spots(tolerance.min(turn(error))),
         }
     }
+}
+
+/// Returns the largest angle by which three mirrors turn light from straight back if their angles
+/// are wrong by at most `error`, to first order: 2 sqrt(a^2 + b^2 + c^2) for the errors a, b and c.
+fn turn(error: f64) -> f64 {
+    2.0 * 3_f64.sqrt() * error
+}
+
+/// Returns a bound of the angle by which three curved faces of the cell turn light from straight
+/// back, rad, or `None` if its normals are those of too many faces.
+///
+/// A face is all normals that lie around one direction. Each of three reflections turns light by
+/// twice the angle between the normal there and the face's mean, and the means turn it as the
+/// normals of planes do.
+fn curved_turn(cell: &meshes::Cell, tolerance: f64) -> Option<f64> {
+    let normals: Vec<DVec3> = match &cell.normals {
+        Some(found) => {
+            let numbers = found.corners.iter().flatten();
+            numbers
+                .map(|&number| found.vectors[number as usize])
+                .collect()
+        }
+        None => cell.facets.iter().map(facet_normal).collect(),
+    };
+    let own = |known: &[(DVec3, DVec3)], normal: DVec3| {
+        known
+            .iter()
+            .position(|(first, _)| first.dot(normal) > SAME_FACE_COS)
+    };
+    let mut faces: Vec<(DVec3, DVec3)> = Vec::new();
+    for &normal in &normals {
+        match own(&faces, normal) {
+            Some(face) => faces[face].1 += normal,
+            None if faces.len() == MOST_FACES => return None,
+            None => faces.push((normal, normal)),
+        }
+    }
+    let means: Vec<DVec3> = faces
+        .iter()
+        .map(|(_, sum)| sum.normalize_or_zero())
+        .collect();
+    let slope = |&normal: &DVec3| {
+        own(&faces, normal).map_or(0.0, |face| {
+            means[face].cross(normal).length().min(1.0).asin()
+        })
+    };
+    let slope = normals.iter().map(slope).fold(0.0, f64::max);
+    let error = right_angle_errors(&means, tolerance).fold(0.0, f64::max);
+    Some(6.0 * slope + turn(error))
+}
+
+/// Returns the errors of the angles between planes with these normals that are right angles within
+/// `tolerance`, rad.
+fn right_angle_errors(normals: &[DVec3], tolerance: f64) -> impl Iterator<Item = f64> {
+    let pairs = (0..normals.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let errors = pairs.map(|(i, j)| normals[i].dot(normals[j]).abs().asin());
+    errors.filter(move |&error| error <= tolerance)
+}
+
+/// Returns the unit normal of a facet; zero without area.
+fn facet_normal([a, b, c]: &[DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a).normalize_or_zero()
 }
 
 /// Returns the largest error of the right angles of a body, rad, or `None` if the body stands for a
@@ -117,8 +187,8 @@ impl Plan {
 /// normal of one further plane.
 fn angle_error(facets: &[[DVec3; 3]], upright: Option<DVec3>, tolerance: f64) -> Option<f64> {
     let mut normals = Vec::from_iter(upright);
-    for [a, b, c] in facets {
-        let normal = (b - a).cross(c - a).normalize_or_zero();
+    for facet in facets {
+        let normal = facet_normal(facet);
         // Two triangles of one plane may differ by this much in coordinates of six digits.
         let known = |own: &DVec3| (*own - normal).length() <= RIGHT;
         if !normals.iter().any(known) {
@@ -128,9 +198,7 @@ fn angle_error(facets: &[[DVec3; 3]], upright: Option<DVec3>, tolerance: f64) ->
             return None;
         }
     }
-    let pairs = (0..normals.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-    let errors = pairs.map(|(i, j)| normals[i].dot(normals[j]).abs().asin());
-    let errors: Vec<f64> = errors.filter(|&error| error <= tolerance).collect();
+    let errors: Vec<f64> = right_angle_errors(&normals, tolerance).collect();
     let off = errors.iter().filter(|&&error| error > RIGHT).count();
     (off <= MOST_PAIRS).then(|| errors.into_iter().fold(0.0, f64::max))
 }

@@ -3,6 +3,8 @@
 use tables::Table;
 use tables::options::Element;
 
+use crate::compare::View;
+use crate::model::ExitBins;
 use crate::photographs::Campaign;
 use crate::photographs::photo::taken::Taken;
 
@@ -74,6 +76,25 @@ pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// Returns a warning if the table's bins of exit directions are too coarse for the photograph that
+/// needs the finest.
+///
+/// The MTF is that of the photograph itself, as if it were the same at lesser distances: so the
+/// distance from which on the bins are too coarse is rather too great.
+///
+/// `shots` holds the name, the distance R in mm and the measured edge of each photograph.
+pub(crate) fn of_bins<'s>(
+    table: &Table,
+    shots: impl Iterator<Item = (&'s str, f64, &'s View)>,
+) -> Option<String> {
+    let bins = ExitBins::of(table)?;
+    let mtf = |view: &View, frequency: f64| view.mtf_at(frequency).map_or(0.0, |[mtf, _]| mtf);
+    let lost = |(_, r_mm, view): &(&str, f64, &View)| bins.lost(*r_mm, |f| mtf(view, f));
+    let (image, r_mm, view) = shots.max_by(|a, b| lost(a).total_cmp(&lost(b)))?;
+    let said = bins.too_coarse(r_mm, |_, frequency| mtf(view, frequency))?;
+    Some(format!("{image}: {said}"))
 }
 
 /// Returns a warning if the reference and a capture were not read with the same relation between

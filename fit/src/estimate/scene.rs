@@ -228,6 +228,12 @@ impl Scene {
                 manifest: campaign.file.clone(),
             });
         }
+        warnings.extend(remarks::of_bins(
+            table,
+            shots
+                .iter()
+                .map(|shot| (&*shot.image, shot.r_mm, &*shot.view)),
+        ));
         let groups = group(&mut shots);
         if let Some(reference) = &reference {
             let sharper = shots

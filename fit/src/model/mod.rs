@@ -9,6 +9,7 @@ pub(crate) mod baseline;
 mod blur;
 mod camera;
 mod edge;
+mod exits;
 mod lobe;
 pub(crate) mod microfacet;
 mod spread;
@@ -20,6 +21,7 @@ pub(crate) use baseline::{fresnel, returned};
 pub(crate) use blur::Blur;
 pub(crate) use camera::{Camera, Lens};
 pub(crate) use edge::{Curve, Model};
+pub(crate) use exits::ExitBins;
 pub(crate) use lobe::CUT;
 pub(crate) use spread::{Even, Grid};
 #[cfg(test)]

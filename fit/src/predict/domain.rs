@@ -2,6 +2,7 @@
 
 use tables::{Symmetry, Table};
 
+use crate::model::ExitBins;
 use crate::names::Kernel;
 use crate::predict::curve::Line;
 use crate::predict::error::Error;
@@ -140,12 +141,34 @@ pub(crate) fn remarks(
             }
         }
     }
+    remarks.extend(too_coarse(&Fitted::new(result, table)?, places)?);
     if result.seen_in_mirror.is_none()
         && let Some(place) = places.first()
     {
         remarks.extend(unstated(&Fitted::new(result, table)?, place)?);
     }
     Ok(remarks)
+}
+
+/// Returns a remark if the table's bins of exit directions are too coarse for the farthest place.
+///
+/// # Errors
+/// Returns an error if the table lacks the place, or if the result lacks a parameter there.
+fn too_coarse(sheet: &Fitted<'_>, places: &[Viewpoint]) -> Result<Option<String>, Error> {
+    let farthest = places.iter().max_by(|a, b| a.r_mm.total_cmp(&b.r_mm));
+    let (Some(bins), Some(place)) = (ExitBins::of(sheet.table), farthest) else {
+        return Ok(None);
+    };
+    let direction = (sheet.table).direction(place.incidence_deg, place.azimuth_deg)?;
+    let mut lines = Vec::new();
+    for axis in [[1.0, 0.0], [0.0, 1.0]] {
+        lines.extend(Line::new(sheet, &direction, place.incidence_deg, axis)?);
+    }
+    let along = |r_mm: f64, frequency: f64| {
+        let all = lines.iter().map(|line| line.at(r_mm).mtf(frequency));
+        all.fold(0.0, f64::max)
+    };
+    Ok(bins.too_coarse(place.r_mm, along))
 }
 
 /// Returns a remark if numbers that no photograph gave are taken beyond their incidences.

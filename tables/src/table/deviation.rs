@@ -128,6 +128,14 @@ impl Deviations {
         }
     }
 
+    /// Returns the half width of bins that are fine enough for the light, mrad, as `--deviations`
+    /// takes it: eight times the largest rms angle, and at least a twentieth of the present one.
+    pub fn advised_mrad(&self) -> f64 {
+        let spreads = (0..self.entries.len()).map(|direction| self.spread(direction));
+        let rms_rad = spreads.map(|spread| spread.rms_rad).fold(0.0, f64::max);
+        1e3 * (self.grid.range / 20.0).max(8.0 * rms_rad)
+    }
+
     /// Returns the spread of one direction; all 0 where nothing returns.
     pub fn spread(&self, direction: usize) -> Spread {
         let mut spread = Spread::default();

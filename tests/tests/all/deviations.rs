@@ -238,3 +238,66 @@ fn photographs_of_uneven_cubes_give_back_what_was_planted() {
     assert_eq!(refused.code, Some(1));
     assert!(refused.err.contains("no polygons"), "{}", refused.err);
 }
+
+/// A table whose bins of exit directions are too coarse for a slight sag is said where it is used:
+/// how far an MTF is off, and from which distance on. Both are right: a table of fine bins, with the
+/// same rays, differs by as much.
+#[test]
+fn coarse_bins_are_said_where_they_matter() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let design = "design triangular-pair -o curved.obj --sag 2e-5 --segments 12";
+    bake(here, &Vec::from_iter(design.split(' '))).done();
+    for (file, deviations) in [("fine.h5", ""), ("coarse.h5", " --deviations 26")] {
+        let trace = format!(
+            "trace curved.obj -o {file} --normals file --refractive-index 1.49 --incidence 0 \
+            --azimuth 30 --rays 262144{deviations}"
+        );
+        bake(here, &Vec::from_iter(trace.split(' '))).done();
+    }
+    // MTFs along both axes at a distance, and the warning about bins.
+    let seen = |file: &str, r_mm: f64| {
+        let predict = format!(
+            "predict --table {file} --c 0.18 --a 4 --distance {r_mm} --incidence 0 --frequency \
+            0:2:0.02 --json"
+        );
+        let run = fit(here, &Vec::from_iter(predict.split(' ')));
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        let all: Value = serde_json::from_str(&run.out).expect("JSON");
+        let of = |own: &Value| numbers(&own["mtf"]);
+        let mtfs = all["predictions"].as_array().expect("a list").iter();
+        let said = run.err.lines().find(|line| line.contains("bins of"));
+        (
+            mtfs.flat_map(of).collect::<Vec<f64>>(),
+            said.map(str::to_owned),
+        )
+    };
+    let off = |r_mm: f64| {
+        let (coarse, fine) = (seen("coarse.h5", r_mm), seen("fine.h5", r_mm));
+        assert_eq!(fine.1, None);
+        let pairs = coarse.0.iter().zip(&fine.0);
+        let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        (off, coarse.1)
+    };
+    let (far, said) = off(3000.0);
+    let said = said.expect("a warning");
+    let number = |after: &str| -> f64 {
+        let (_, rest) = said.split_once(after).expect(&said);
+        let word = rest.split([' ', ';']).next().expect("a word");
+        word.parse().expect("a number")
+    };
+    let (stated, from_mm) = (number("off by up to "), number("from a distance of "));
+    // Fine bins are a thirtieth as wide or less. The rays are the same, and the lobe is no exact
+    // Gaussian: its spectrum repeats at the reciprocal of a bin.
+    assert!(
+        far > 0.05 && (stated / far - 1.0).abs() < 0.2,
+        "{stated} for {far}"
+    );
+    let ((near, unsaid), (beyond, said)) = (off(0.8 * from_mm), off(1.25 * from_mm));
+    println!("{stated} for {far} at 3 m; {near} and {beyond} beside {from_mm} mm");
+    assert!(unsaid.is_none() && said.is_some());
+    assert!(
+        near < 0.01 && beyond > 0.01,
+        "{near} {beyond} beside {from_mm} mm"
+    );
+}
