@@ -134,7 +134,7 @@ test-fuzz: rust tools
 	@$(CARGO) +nightly fuzz --version >/dev/null 2>&1 || { \
 		echo "test-fuzz: needs rustup toolchain install nightly and cargo install cargo-fuzz" >&2; \
 		exit 1; }
-	@cd fuzz && for target in obj gltf table photograph toml result polygons view; do \
+	@cd fuzz && for target in obj gltf stl ply table photograph toml result polygons view; do \
 		echo "== fuzz $$target" >&2; mkdir -p "$(CURDIR)/target/fuzz/$$target"; \
 		ASAN_OPTIONS=detect_odr_violation=0:allocator_may_return_null=1 $(CARGO) +nightly fuzz run \
 			$$target "$(CURDIR)/target/fuzz/$$target" corpus/$$target -- \

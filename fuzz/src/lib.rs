@@ -49,6 +49,16 @@ pub fn gltf(bytes: &[u8]) {
     cell(meshes::gltf::parse(bytes, None));
 }
 
+/// Reads the bytes as an STL file and makes the cell that `bake` traces.
+pub fn stl(bytes: &[u8]) {
+    cell(meshes::stl::parse(bytes));
+}
+
+/// Reads the bytes as a PLY file and makes the cell that `bake` traces.
+pub fn ply(bytes: &[u8]) {
+    cell(meshes::ply::parse(bytes));
+}
+
 /// Reads the bytes as an HDF5 table.
 ///
 /// The tables of the corpus have no seal. With a seal, every changed table would be refused before

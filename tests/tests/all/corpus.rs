@@ -19,9 +19,11 @@ type Target = (&'static str, fn(&[u8]));
 
 #[test]
 fn the_corpus_is_answered() {
-    let targets: [Target; 8] = [
+    let targets: [Target; 10] = [
         ("obj", fuzz::obj),
         ("gltf", fuzz::gltf),
+        ("stl", fuzz::stl),
+        ("ply", fuzz::ply),
         ("table", fuzz::table),
         ("photograph", fuzz::photograph),
         ("toml", fuzz::toml),
