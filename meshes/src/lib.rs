@@ -1,4 +1,5 @@
-//! Corner-cube cells: meshes are loaded (OBJ, glTF/GLB, STL, PLY), checked, normalised and designed here.
+//! Corner-cube cells: meshes are loaded (OBJ, glTF/GLB, STL, PLY), checked, normalised and designed
+//! here.
 //!
 //! A [`Mesh`] is the content of a file, in file units. A [`Cell`] is what rays are traced through:
 //! facets in the **cell frame**, edge length 1, with the entrance, the lattice and the provenance.

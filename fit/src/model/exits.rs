@@ -17,8 +17,9 @@ const STEPS: (f64, usize) = (0.02, 25);
 
 /// Bins of exit directions of a table.
 ///
-/// A deviation is known to a bin of width w only. So at the frequency f and the distance R an MTF
-/// lacks the factor sinc(f R w) of the true one.
+/// A deviation is known to a bin of width w only. So at the frequency f and the distance R the MTF
+/// of a smooth lobe is sinc(f R w) of the true one. Where all light lies in a bin or two, the true
+/// one is about as much lower as it may be spread within them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ExitBins<'t>(&'t Deviations);
 
@@ -28,8 +29,8 @@ impl ExitBins<'_> {
         table.deviations.as_ref().map(ExitBins)
     }
 
-    /// Returns by how much an MTF of the table is off at most, too low for smooth lobes, at the distance `r_mm`; `mtf`
-    /// gives it at a frequency, 1/mm.
+    /// Returns by how much an MTF of the table may be off at the distance `r_mm`; `mtf` gives it at
+    /// a frequency, 1/mm.
     pub(crate) fn lost(&self, r_mm: f64, mtf: impl Fn(f64) -> f64) -> f64 {
         let (step, count) = STEPS;
         let per_mm = 1.0 / (r_mm * self.0.grid.bin_width());
@@ -59,8 +60,8 @@ impl ExitBins<'_> {
         }
         Some(format!(
             "the table counts exit directions in bins of {:.3} mrad, which is too coarse from a \
-            distance of {far:.0} mm on: at {r_mm} mm an MTF is off by up to {here:.3}; bake the table \
-            again with --deviations {:.4}",
+            distance of {far:.0} mm on: at {r_mm} mm an MTF may be off by {here:.3}; bake the \
+            table again with --deviations {:.4}",
             1e3 * self.0.grid.bin_width(),
             self.0.advised_mrad()
         ))
@@ -73,8 +74,8 @@ mod tests {
     use tables::deviation::Grid;
 
     /// A blur exp(-2 (pi s f)^2) that does not grow with the distance, seen through bins of w: the
-    /// loss is the difference from the blur itself, and to lowest order it is largest, (R w / s)^2 /
-    /// (12 e), at the frequency 1 / (sqrt 2 pi s). So 1 % is reached at R = s/w sqrt(0.12 e).
+    /// loss is the difference from the blur itself, and to lowest order it is largest, (R w / s)^2
+    /// / (12 e), at the frequency 1 / (sqrt 2 pi s). So 1 % is reached at R = s/w sqrt(0.12 e).
     #[test]
     fn losses_and_distances_of_a_gaussian() {
         let grid = Grid {

@@ -8,6 +8,7 @@
 use glam::DVec3;
 
 use crate::cell::frame::Frame;
+use crate::cell::rounding::RIGHT;
 use crate::cell::surface::Surface;
 use crate::mesh::error::Fault;
 
@@ -93,6 +94,18 @@ pub(crate) fn of_file(
     let (front, _) = first.ok_or(Fault::NoNormals)?;
     if !front {
         vectors[..given.len()].iter_mut().for_each(|n| *n = -*n);
+    }
+    // Rounding turns a normal by up to half the diagonal of a cube of one step, and a reflection
+    // turns light by twice as much; light meets three faces.
+    let turn = 3.0 * 3_f64.sqrt() * mesh.normal_step;
+    if curved && turn > 4.0 * RIGHT {
+        warnings.push(format!(
+            "the normals in the file are given in steps of {:.0e}, which turn light by up to {:.2} \
+            mrad; write them with {} more digits",
+            mesh.normal_step,
+            1e3 * turn,
+            (turn / (4.0 * RIGHT)).log10().ceil()
+        ));
     }
     if !curved {
         warnings.push(

@@ -8,7 +8,7 @@ use crate::mesh::error::Fault;
 
 /// Error of a right angle, rad, up to which light does not notice it: it leaves within 2e-5 rad of
 /// straight back, and `bake` takes the angle as a right one.
-const RIGHT: f64 = 5e-6;
+pub(crate) const RIGHT: f64 = 5e-6;
 
 /// Greatest sine of the error of an angle that was meant to be a right one (5.7 deg), as for the
 /// facets of a corner.

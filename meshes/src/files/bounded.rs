@@ -9,7 +9,8 @@ use crate::mesh::mesh::MAX_ELEMENTS;
 
 /// Largest file, and most bytes of all buffers of a mesh.
 ///
-/// Sheets of thousands of cells take some MiB. With [`MAX_ELEMENTS`] it keeps the memory of a mesh below 1 GiB.
+/// Sheets of thousands of cells take some MiB. With [`MAX_ELEMENTS`] it keeps the memory of a mesh
+/// below 1 GiB.
 pub(crate) const MAX_BYTES: u64 = 1 << 27;
 
 /// Checks that a number of elements is at most [`MAX_ELEMENTS`], before anything of its size is

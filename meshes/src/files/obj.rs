@@ -49,13 +49,13 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     } else {
         model.face_arities
     };
-    let normals = normals(&text, &mut mesh.normals);
+    let normals = normals(&text, &mut mesh);
     triangulate(&mut mesh, &model.indices, &arities, &normals)?;
     Ok(mesh)
 }
 
-/// Returns the bytes of a text file with lines that end as [`str::lines`] wants them, without a byte
-/// order mark.
+/// Returns the bytes of a text file with lines that end as [`str::lines`] wants them, without a
+/// byte order mark.
 ///
 /// Programs on Windows write the mark, and a lone carriage return ends a line of old ones. A byte
 /// that is not UTF-8 becomes a replacement character.
@@ -68,19 +68,22 @@ pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// Reads the normals into `vectors`, and returns the normal's number at each corner of each face.
+/// Reads the normals and their digits, and returns the normal's number at each corner of each face.
 ///
 /// Faces follow one another; the list is empty if the file has no normals. A normal that is not
 /// three numbers becomes a vector that is not finite. A number that names no normal becomes the
 /// greatest number.
-fn normals(text: &str, vectors: &mut Vec<DVec3>) -> Vec<Option<NonZeroU32>> {
-    let mut numbers = Vec::new();
+fn normals(text: &str, mesh: &mut Mesh) -> Vec<Option<NonZeroU32>> {
+    let (mut numbers, mut digits) = (Vec::new(), Digits::default());
+    let vectors = &mut mesh.normals;
     if !text.lines().any(|line| keyword(line) == "vn") {
         return numbers;
     }
     for (_, content) in logical_lines(text) {
         match keyword(&content) {
             "vn" => {
+                let words = content.split_whitespace().skip(1);
+                words.for_each(|word| digits.read(word));
                 let mut words = content.split_whitespace().skip(1).map(str::parse);
                 let mut next = || words.next().and_then(Result::ok).unwrap_or(f64::NAN);
                 vectors.push(DVec3::new(next(), next(), next()));
@@ -99,6 +102,8 @@ fn normals(text: &str, vectors: &mut Vec<DVec3>) -> Vec<Option<NonZeroU32>> {
             _ => {}
         }
     }
+    let steps = digits.steps(&[DVec3::ONE]);
+    mesh.normal_step = steps.first().map_or(0.0, |step| step.x);
     numbers
 }
 

@@ -72,10 +72,9 @@ fn indices(property: Property) -> Vec<u32> {
 /// Parses a PLY file: the elements `vertex` and `face`, and comments as OBJ has them (`comment
 /// lattice ax,ay,az,bx,by,bz`).
 ///
-/// # Errors
-/// Fails if the file is not PLY or is cut short, if it has no faces, if an index is out of range, a
-/// face has fewer than three corners, a polygon is not flat or crosses itself, or if a vertex is not
-/// finite.
+/// # Errors Fails if the file is not PLY or is cut short, if it has no faces, if an index is out of
+/// range, a face has fewer than three corners, a polygon is not flat or crosses itself, or if a
+/// vertex is not finite.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     let text = header(bytes)
         .contains("format ascii")

@@ -3,9 +3,9 @@
 //! STL gives each triangle its own corners. Corners with the same coordinates become one vertex
 //! here. The normals in the file are left out: the order of the corners says the side.
 //!
-//! No crate is used. `stl_io` 0.11 takes a binary file that begins with `solid ` for text and a text
-//! that begins with `solid` alone for binary, leaves out all solids but the first, keeps f32 of the
-//! numbers of a text, and does not tell the line of an error.
+//! No crate is used. `stl_io` 0.11 takes a binary file that begins with `solid ` for text and a
+//! text that begins with `solid` alone for binary, leaves out all solids but the first, keeps f32
+//! of the numbers of a text, and does not tell the line of an error.
 
 use std::collections::HashMap;
 

@@ -33,6 +33,9 @@ pub struct Mesh {
     pub faces: Vec<u32>,
     /// Normals that the file gives, of any length.
     pub normals: Vec<DVec3>,
+    /// Step in which the file gives components of about 1 of the normals; 0 if it gives enough
+    /// digits for light not to notice.
+    pub normal_step: f64,
     /// Numbers (from 1) of the normals at each triangle's corners; empty if the file gives none.
     pub corner_normals: Vec<[Option<NonZeroU32>; 3]>,
     /// For each face of the file, true if its material is `glass`; empty if none is.

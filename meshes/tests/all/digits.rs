@@ -20,7 +20,7 @@ fn text(mesh: &Mesh, number: impl Fn(f64) -> String) -> String {
     vertices.chain(faces).collect()
 }
 
-/// What is said about a mesh: its warnings, or its fault.
+/// Warnings about a mesh, or its fault.
 fn said(mesh: &Mesh) -> Vec<String> {
     match normalise(mesh, Path::new("mesh"), &CellOptions::default()) {
         Ok(cell) => cell.warnings,
@@ -28,7 +28,7 @@ fn said(mesh: &Mesh) -> Vec<String> {
     }
 }
 
-/// What is said about a text.
+/// Warnings about the mesh of a text, or its fault.
 fn said_of(text: &str) -> Vec<String> {
     said(&obj::parse(text.as_bytes()).expect("an OBJ"))
 }

@@ -324,3 +324,52 @@ fn prisms_keep_the_normals_of_their_facets() {
     assert_eq!(opened.warnings, [""; 0]);
     assert_alike(&plain, &opened, 0.0_f64.next_up(), "prism");
 }
+
+/// Normals of few digits are said, with a bound of the angle by which they turn light: six times
+/// the largest error of a normal stays below it, and comes near.
+#[test]
+fn normals_of_few_digits_are_said() {
+    let mesh = curved(Shape::TriangularPair);
+    let full = write::obj(&mesh);
+    let mut cases = 0;
+    for decimals in [4, 5, 6, 9] {
+        let line = |line: &str| match line.strip_prefix("vn ") {
+            Some(words) => {
+                let numbers = words
+                    .split(' ')
+                    .map(|word| word.parse::<f64>().expect("a number"));
+                let words: Vec<String> = numbers.map(|x| format!("{x:.decimals$}")).collect();
+                format!("vn {}\n", words.join(" "))
+            }
+            None => format!("{line}\n"),
+        };
+        let text: String = full.lines().map(line).collect();
+        let rounded = obj::parse(text.as_bytes()).expect("a mesh");
+        let pairs = mesh.normals.iter().zip(&rounded.normals);
+        let errors = pairs.map(|(n, m)| n.normalize().cross(m.normalize()).length());
+        let turned_mrad = 6e3 * errors.fold(0.0, f64::max);
+        let warnings = cell(&rounded, &NORMALS).expect("a cell").warnings;
+        assert_eq!(
+            warnings.len(),
+            usize::from(decimals < 6),
+            "{decimals}: {warnings:?}"
+        );
+        if let [one] = &warnings[..] {
+            let (_, stated) = one.split_once("by up to ").expect("a bound");
+            let stated: f64 = stated
+                .split(' ')
+                .next()
+                .expect("a word")
+                .parse()
+                .expect("mrad");
+            // The bound has two decimals.
+            let near = 0.3 * stated - 0.01..stated + 0.01;
+            assert!(
+                near.contains(&turned_mrad),
+                "{decimals}: {turned_mrad} for {stated}"
+            );
+        }
+        cases += 1;
+    }
+    assert_eq!(cases, 4);
+}

@@ -334,8 +334,8 @@ fn fine_meshes_are_traced_by_rays() {
 }
 
 /// The bins of exit directions that are chosen for curved faces hold 1 % of MTF at every distance,
-/// however slight the sag: against the sum over single rays, which knows no bins. Bins for all light
-/// that counts as retroreflected, 0.4 mrad, do not.
+/// however slight the sag: against the sum over single rays, which knows no bins. Bins for all
+/// light that counts as retroreflected, 0.4 mrad, do not.
 ///
 /// The frequency times the distance decides, cycles a radian; shifts are left out by corners of no
 /// size.
