@@ -29,6 +29,12 @@ pub(crate) struct CellArgs {
     /// --front trapped the sides of a parallelogram are the lattice vectors by default.
     #[arg(long, value_name = "AX,AY,AZ,BX,BY,BZ", allow_hyphen_values = true)]
     pub(crate) lattice: Option<String>,
+    /// Unit of the file's lengths, which the table records
+    ///
+    /// No number depends on it: all lengths of a table are in edge lengths. Most formats, such as
+    /// STL, do not say their unit.
+    #[arg(long, value_name = "UNIT", value_parser = ["nm", "um", "mm", "cm", "m", "in"])]
+    pub(crate) unit: Option<String>,
 }
 
 impl CellArgs {
@@ -38,7 +44,7 @@ impl CellArgs {
     /// Returns [`Failure::Numbers`] if an option is no list of numbers, and [`Failure::Mesh`] if
     /// the file cannot be read or is no cell.
     pub(crate) fn load(&self, mesh: &Path, scene: &SceneOptions) -> Result<Cell, Failure> {
-        Ok(meshes::load_cell(mesh, &self.options(scene)?)?)
+        self.with_unit(meshes::load_cell(mesh, &self.options(scene)?))
     }
 
     /// Makes the cell of a mesh in memory; `name` is its name for messages.
@@ -51,7 +57,13 @@ impl CellArgs {
         name: &Path,
         scene: &SceneOptions,
     ) -> Result<Cell, Failure> {
-        Ok(meshes::normalise(mesh, name, &self.options(scene)?)?)
+        self.with_unit(meshes::normalise(mesh, name, &self.options(scene)?))
+    }
+
+    /// Returns a cell with the unit that was given.
+    fn with_unit(&self, cell: Result<Cell, meshes::Error>) -> Result<Cell, Failure> {
+        let unit = self.unit.clone();
+        Ok(Cell { unit, ..cell? })
     }
 
     /// Returns these options and those of the `scene` as options of a cell.

@@ -17,8 +17,8 @@ const DEVIATED: f64 = 0.01;
 /// Bins of deviations, in the rms spread of the light, below which a warning calls them coarse.
 ///
 /// A bin of width w takes 1 - sinc(f R w) of an MTF. Of a Gaussian lobe with the rms s along each
-/// axis that is at most 0.031 (w / s)^2, at any distance: 1 % where the rms of both axes together is
-/// 2.5 w.
+/// axis that is at most 0.031 (w / s)^2, at any distance: 1 % where the rms of both axes together
+/// is 2.5 w.
 const FEW_BINS: f64 = 2.5;
 
 /// Width of a bin of deviations, mrad, that is fine enough for any cell: 10 um at 1 m.

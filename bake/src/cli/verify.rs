@@ -142,6 +142,7 @@ fn traced(
             Some(format!("{x},{y},{z}"))
         }),
         lattice: args.cell.lattice.clone(),
+        unit: args.cell.unit.clone(),
     }
     .load(mesh, &scene)?;
     warn(&cell.warnings);

@@ -24,7 +24,7 @@ pub(crate) fn provenance(
         design: cell.design.clone(),
         mesh_hash: cell.mesh_hash.clone(),
         edge_length: cell.edge_length,
-        edge_length_unit: "file unit".into(),
+        edge_length_unit: cell.unit.clone().unwrap_or("file unit".into()),
         azimuth_zero: cell.azimuth_zero.to_array(),
         refractive_index: plan.index_of(cell),
         back: plan.back.into(),

@@ -35,6 +35,7 @@ fn cell(facets: Vec<[DVec3; 3]>, entrance: Entrance, design: &str) -> Cell {
         abbe_number: None,
         closed: false,
         edge_length: 1.0,
+        unit: None,
         azimuth_zero: DVec3::X,
         design: design.into(),
         mesh_hash: String::new(),

@@ -47,7 +47,11 @@ fn from_design_to_picture() {
     ];
     let report = good(
         here,
-        &[&trace[..], &["--refractive-index", "1.49", "--json"]].concat(),
+        &[
+            &trace[..],
+            &["--refractive-index", "1.49", "--unit", "mm", "--json"],
+        ]
+        .concat(),
     );
     let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
     assert_eq!(report["directions"].as_array().expect("a list").len(), 2);
@@ -57,7 +61,8 @@ fn from_design_to_picture() {
     assert!(good(here, &["inspect", "pair.h5"]).contains("triangular-pair"));
     for (file, start) in [("pair.png", &b"\x89PNG"[..]), ("pair.svg", &b"<svg"[..])] {
         let inspected = good(here, &["inspect", "pair.h5", "--plot", file, "--json"]);
-        assert!(serde_json::from_str::<serde_json::Value>(&inspected).is_ok());
+        let inspected: serde_json::Value = serde_json::from_str(&inspected).expect("JSON");
+        assert!(inspected.to_string().contains(r#""edge_length_unit":"mm""#));
         let bytes = std::fs::read(here.join(file)).expect("a picture");
         let head = &bytes[..200.min(bytes.len())];
         assert!(

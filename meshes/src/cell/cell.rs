@@ -48,6 +48,8 @@ pub struct Cell {
     pub closed: bool,
     /// Length of one edge in file units: the unit of the cell frame.
     pub edge_length: f64,
+    /// Unit of the file's lengths, if somebody says it. No format's own is taken.
+    pub unit: Option<String>,
     /// Direction of the first edge (azimuth 0) in the file's frame, unit length; for the table's
     /// provenance.
     pub azimuth_zero: DVec3,

@@ -53,6 +53,7 @@ pub(crate) fn cell(
         abbe_number: None,
         closed: false,
         edge_length: 1.0,
+        unit: None,
         azimuth_zero: DVec3::X,
         design: "by hand".into(),
         mesh_hash: String::new(),
