@@ -71,8 +71,12 @@ pub struct Pixels {
 impl Pixels {
     /// Sorts all pixels of a window by their distance from `line`.
     pub fn new(window: &Window, line: &EdgeLine) -> Pixels {
-        let limit = ((window.width() + window.height()) as f64 / BIN_PX) as i64
-            + (line.offset_px.abs() / BIN_PX) as i64;
+        // No Legendre polynomial exceeds 1 within the curve.
+        let bow = line
+            .bend
+            .map_or(0.0, |bend| bend.terms_px.iter().map(|t| t.abs()).sum());
+        let reach = (window.width() + window.height()) as f64 + line.offset_px.abs() + bow;
+        let limit = (reach / BIN_PX) as i64 + 1;
         let mut sums = vec![[Sums::default(); STRIPS]; 2 * limit as usize + 1];
         let ruler = line.ruler();
         let (sin, cos) = line.normal_rad.sin_cos();

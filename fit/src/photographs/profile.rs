@@ -59,7 +59,12 @@ impl Profile {
             let (s, _) = ruler.place(p.x, p.y);
             let j = (s / BIN_PX).round();
             let d = s - j * BIN_PX;
-            let bin = &mut sums[(j + limit as f64) as usize];
+            // A line that was sought in vain can lie outside of the window, and its curve far off.
+            let place = j + limit as f64;
+            if !(0.0..sums.len() as f64).contains(&place) {
+                continue;
+            }
+            let bin = &mut sums[place as usize];
             bin.n += 1.0;
             bin.value += p.value;
             bin.value2 += p.value * p.value;
@@ -304,7 +309,7 @@ fn covered(sums: &[Sums], limit: usize) -> Option<usize> {
     let per_px = (1.0 / BIN_PX) as usize;
     let filled = |from: usize| -> f64 { sums[from..from + per_px].iter().map(|b| b.n).sum() };
     let most = (0..sums.len() - per_px).map(filled).fold(0.0, f64::max);
-    let enough = |n: f64| n >= COVERAGE * most;
+    let enough = |n: f64| n > 0.0 && n >= COVERAGE * most;
     let right = (limit..sums.len() - per_px)
         .take_while(|&j| enough(filled(j)))
         .count();
