@@ -26,8 +26,8 @@ pub(crate) fn exclude_gross(window: &mut Window) -> usize {
 }
 
 /// Excludes pixels that are off the profile from the window, and returns their number. A pixel is
-/// off if neither noise, nor its place in a bin, nor waves of `wave_px` pixels explains its
-/// distance. Corners of the window that lie beyond the profile are compared with its ends.
+/// off if neither noise, nor its place in a bin, nor an edge that is astray by `astray_px` pixels
+/// (waves, shifted rows) explains its distance. Corners of the window that lie beyond the profile are compared with its ends.
 ///
 /// The distance is that from the medians of the bins, which a few wild pixels do not move. The
 /// medians are only computed if the means of the bins raise a doubt.
@@ -35,7 +35,7 @@ pub(crate) fn exclude(
     window: &mut Window,
     line: &EdgeLine,
     profile: &Profile,
-    wave_px: f64,
+    astray_px: f64,
 ) -> usize {
     let (dark, bright) = profile.plateaus();
     let least = LEAST_STEPS * (bright - dark);
@@ -43,8 +43,8 @@ pub(crate) fn exclude(
         .map(|j| {
             let noise = profile.deviation(j, window.excess());
             // At an angle of a simple fraction the pixels of a bin may all lie at one of its ends.
-            let astray_px = 1.5 * wave_px + 0.5 * BIN_PX;
-            least + DEVIATIONS * noise + astray_px * profile.slope(j, 2).abs()
+            let most_px = 1.5 * astray_px + 0.5 * BIN_PX;
+            least + DEVIATIONS * noise + most_px * profile.slope(j, 2).abs()
         })
         .collect();
     let end = profile.reach as f64 * BIN_PX;

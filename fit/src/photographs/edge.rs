@@ -4,6 +4,7 @@
 pub(crate) mod accepted;
 pub(crate) mod curve;
 pub(crate) mod fault;
+pub(crate) mod lattice;
 pub(crate) mod line;
 pub(crate) mod shape;
 pub(crate) mod slant;

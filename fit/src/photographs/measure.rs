@@ -6,6 +6,7 @@
 use crate::photographs::edge;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::edge::fault::Fault;
+use crate::photographs::edge::lattice::Lattice;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::edge::shape;
 use crate::photographs::illumination;
@@ -193,6 +194,8 @@ struct Repaired {
     profile: Profile,
     /// Ratio of the largest to the smallest light that was evened out, less 1.
     unevenness: f64,
+    /// Patterns of the pixel grid.
+    lattice: Option<Lattice>,
     /// Number of pixels that were left out, and of all pixels.
     off: usize,
     pixels: usize,
@@ -206,6 +209,7 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
     let (mut lights, mut unevenness): (Vec<Light>, f64) = (Vec::new(), 0.0);
     let mut line = edge::straight(&window)?;
     let mut profile = Profile::new(&window, &line).ok_or(Fault::TooSmall)?;
+    let mut lattice = None;
     for round in 0..ROUNDS {
         let light = illumination::find(&window, &line, &profile);
         if let Some(light) = light {
@@ -224,7 +228,12 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
             continue;
         }
         let waves = shape::waves(&window, &line, &profile);
-        let taken_out = defects::exclude(&mut window, &line, &profile, waves.most_px);
+        // Shifted rows look like defects along the edge.
+        let found = shape::lattice(&window, &line, &profile);
+        found.check()?;
+        lattice = Some(found);
+        let astray_px = waves.most_px + found.most_px();
+        let taken_out = defects::exclude(&mut window, &line, &profile, astray_px);
         if taken_out > 0 {
             off += taken_out;
             (line, profile) = refined(&window, line)?;
@@ -245,6 +254,7 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
         line,
         profile,
         unevenness,
+        lattice,
         off,
         pixels,
     })
@@ -281,7 +291,11 @@ impl Repaired {
                 100.0 * self.unevenness
             )
         });
-        defects.into_iter().chain(light).collect()
+        defects
+            .into_iter()
+            .chain(light)
+            .chain(self.lattice.iter().flat_map(Lattice::warnings))
+            .collect()
     }
 }
 

@@ -44,6 +44,8 @@ pub(crate) struct Told {
     pub slope: f64,
     /// Distance of the pixel's value from the profile.
     pub off: f64,
+    /// True for every second column, and for every second row.
+    pub is_odd: [bool; 2],
 }
 
 impl Steepness {
@@ -67,6 +69,7 @@ impl Steepness {
     ) -> impl Iterator<Item = Told> + 'a {
         let ruler = line.ruler();
         let last = self.smooth.len() as f64 - 1.0;
+        let corner = [window.width(), window.height()].map(|side| 0.5 * (side as f64 - 1.0));
         window.pixels().filter_map(move |pixel| {
             let (across_px, along_px) = ruler.place(pixel.x, pixel.y);
             let at = across_px / BIN_PX + self.reach;
@@ -82,6 +85,7 @@ impl Steepness {
                 level,
                 slope: between(&self.slopes),
                 off: pixel.value - level,
+                is_odd: [pixel.x + corner[0], pixel.y + corner[1]].map(|at| at as i64 & 1 == 1),
             })
         })
     }
@@ -280,7 +284,7 @@ const PIECES: usize = 32;
 /// place of each is measured. Noise is taken off. Waves shorter than two pieces count as blur.
 ///
 /// `rise_px` is the distance from 10 to 90 % of the step. Waves with the variance v on a blur of
-/// variance b, both taken as normal, lower the MTF to 2^-(v/b) of itself where it is one half.
+/// variance b lower the MTF to 2^-(v/b) of itself where it is one half.
 pub(crate) fn waves(window: &Window, line: &EdgeLine, profile: &Profile, rise_px: f64) -> Waves {
     let none = Waves {
         rms_px: 0.0,
@@ -313,11 +317,21 @@ pub(crate) fn waves(window: &Window, line: &EdgeLine, profile: &Profile, rise_px
         return none;
     }
     let rms2 = (square - noise) / weight;
-    // The rise of a normal edge is 2.563 standard deviations.
-    let blur2 = (rise_px / 2.563).powi(2);
     Waves {
         rms_px: rms2.sqrt(),
         most_px: most,
-        loss: 1.0 - (-std::f64::consts::LN_2 * rms2 / blur2).exp(),
+        loss: loss(rms2, rise_px),
+    }
+}
+
+/// Returns the share by which places of an edge that scatter with a variance (pixels^2) lower the
+/// MTF where it is one half. Both blurs are taken as normal.
+pub(crate) fn loss(variance_px2: f64, rise_px: f64) -> f64 {
+    // The rise of a normal edge is 2.563 standard deviations.
+    let blur2 = (rise_px / 2.563).powi(2);
+    if variance_px2 > 0.0 && rise_px > 0.0 {
+        1.0 - (-std::f64::consts::LN_2 * variance_px2 / blur2).exp()
+    } else {
+        0.0
     }
 }

@@ -109,6 +109,21 @@ pub enum Fault {
         /// Share by which they lower the MTF where it is one half.
         loss: f64,
     },
+    /// Rows or columns that are shifted against their neighbours.
+    #[error(
+        "every second of its {what} is shifted by about {shift_px:.1} pixels across the edge, as \
+        the fields of interlaced video are, which lowers the MTF by {:.0} % where it is one half \
+        (10 % is the limit); take a progressive picture, or keep every second of its {what}",
+        100.0 * loss
+    )]
+    Shifted {
+        /// The part that is shifted: rows or columns.
+        what: &'static str,
+        /// Shift across the edge, pixels.
+        shift_px: f64,
+        /// Share by which it lowers the MTF where it is one half.
+        loss: f64,
+    },
     /// A second edge beside the first, a ghost.
     #[error(
         "the edge is doubled: a second edge, {:.0} % as steep, lies {distance_px:.1} pixels away; \
@@ -162,6 +177,7 @@ impl Fault {
             Fault::NotAlone { .. } => "not alone",
             Fault::Uneven { .. } => "uneven light",
             Fault::Wavy { .. } => "wavy",
+            Fault::Shifted { .. } => "shifted rows",
             Fault::Doubled { .. } => "doubled",
             Fault::Aligned { .. } => "aligned with the pixels",
             Fault::Blurred { .. } => "blur wider than the window",

@@ -4,6 +4,8 @@ use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::edge::curve;
 use crate::photographs::edge::curve::Waves;
 use crate::photographs::edge::fault::Fault;
+use crate::photographs::edge::lattice;
+use crate::photographs::edge::lattice::Lattice;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile, smoothed};
 use crate::photographs::window::Window;
@@ -71,6 +73,11 @@ pub(crate) fn check(
 /// Measures the waves of an edge about its curve.
 pub(crate) fn waves(window: &Window, line: &EdgeLine, profile: &Profile) -> Waves {
     curve::waves(window, line, profile, rise_px(profile).unwrap_or(0.0))
+}
+
+/// Measures the patterns of the pixel grid.
+pub(crate) fn lattice(window: &Window, line: &EdgeLine, profile: &Profile) -> Lattice {
+    lattice::find(window, line, profile, rise_px(profile).unwrap_or(0.0))
 }
 
 /// Returns the distance over which the profile rises from 10 to 90 % of its step, pixels. The inner
