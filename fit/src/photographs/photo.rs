@@ -9,10 +9,11 @@
 //!
 //! Values of 8 bits cause a warning. What was taken stands in [`Photo::transfer`].
 //!
-//! The first bytes of a file decide its format, not its name. The only exception is camera raw
-//! (with the feature `raw`), because much of it is TIFF inside. Row 0 is the top of the picture;
+//! The contents of a file decide its format, not its name. The only exception is camera raw (with
+//! the feature `raw`), because much of it is TIFF inside. Row 0 is the top of the picture;
 //! `x` runs along columns to the right, `y` along rows downward, as in the manifest.
 
+mod caught;
 pub(crate) mod channel;
 mod chunks;
 mod colour_space;
@@ -27,11 +28,14 @@ mod icc;
 mod jpeg;
 pub(crate) mod limits;
 mod openexr;
+mod page;
+mod pages;
 pub(crate) mod picture;
 pub(crate) mod plane;
 mod raster;
 #[cfg_attr(not(feature = "raw"), path = "photo/no_raw.rs")]
 mod raw;
+mod samples;
 pub(crate) mod settings;
 mod statement;
 mod strips;
@@ -42,6 +46,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
+use crate::photographs::photo::caught::caught;
 use crate::photographs::photo::channel::Decode;
 use crate::photographs::photo::error::Error;
 use crate::photographs::photo::format::{Format, extension, is_raw};
@@ -63,11 +68,13 @@ pub fn load(path: &Path, options: &Decode) -> Result<Photo, Error> {
         first,
         misnamed,
     } = open(path)?;
-    let mut photo = match format {
-        Format::Exr => openexr::read(path, reader, &first, options)?,
-        Format::Png | Format::Tiff | Format::Jpeg => raster::read(path, reader, format, options)?,
-        Format::Raw => return raw::read(path, options),
-    };
+    if format == Format::Raw {
+        return decoded(path, format, || raw::read(path, options));
+    }
+    let mut photo = decoded(path, format, || match format {
+        Format::Exr => openexr::read(path, reader, &first, options),
+        _ => raster::read(path, reader, format, options),
+    })?;
     photo.warnings.splice(0..0, misnamed);
     check_finite(path, photo.width, &photo.luminance)?;
     Ok(photo)
@@ -86,22 +93,33 @@ pub fn load_colour(path: &Path, transfer: Option<Transfer>) -> Result<Picture, E
         first,
         misnamed,
     } = open(path)?;
-    let mut picture = match format {
-        Format::Exr => openexr::read_colour(path, reader, &first)?,
-        Format::Png | Format::Tiff | Format::Jpeg => {
-            raster::read_colour(path, reader, format, transfer)?
-        }
-        Format::Raw => {
-            return Err(Error::Undeveloped {
-                file: path.to_owned(),
-            });
-        }
-    };
+    let mut picture = decoded(path, format, || match format {
+        Format::Exr => openexr::read_colour(path, reader, &first),
+        Format::Raw => Err(Error::Undeveloped {
+            file: path.to_owned(),
+        }),
+        _ => raster::read_colour(path, reader, format, transfer),
+    })?;
     picture.warnings.splice(0..0, misnamed);
     for plane in &picture.planes {
         check_finite(path, picture.width, plane)?;
     }
     Ok(picture)
+}
+
+/// Calls the decoder of a format. A panic of it is an error of the file.
+fn decoded<T>(
+    path: &Path,
+    format: Format,
+    decoder: impl FnOnce() -> Result<T, Error>,
+) -> Result<T, Error> {
+    caught(decoder).unwrap_or_else(|reason| {
+        Err(Error::Damaged {
+            file: path.to_owned(),
+            format,
+            reason,
+        })
+    })
 }
 
 /// A file whose format is known.
@@ -127,7 +145,7 @@ fn open(path: &Path) -> Result<Opened, Error> {
         });
     }
     let extension = extension(path);
-    let format = if is_raw(&extension, &first) {
+    let format = if is_raw(&extension, &first) || pages::is_raw(&file) {
         Format::Raw
     } else {
         Format::of_signature(&first).ok_or_else(|| Error::UnknownFormat {

@@ -46,7 +46,7 @@ fn every_bad_file_is_refused_with_its_message() {
         .unwrap();
     let groups: [(&str, Refuse, usize); 3] = [
         ("manifests", manifest_error, 31),
-        ("images", image_error, 21),
+        ("images", image_error, 22),
         ("simulate", simulate_error, 4),
     ];
     let mut failures = Vec::new();

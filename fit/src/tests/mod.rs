@@ -32,6 +32,7 @@ mod metrics;
 mod mirror;
 mod noise;
 mod nominal;
+mod pages;
 mod photo_formats;
 mod photographs;
 mod pixels;

@@ -171,6 +171,76 @@ fn exr_channels_and_layers() {
     assert_eq!(wanted.len(), 5);
 }
 
+/// An EXR of luminance and colour differences, as its own primaries define them, has the colours
+/// that were written. The weights of BT.2020 are those of ITU-R BT.2020-2, table 4, which rounds
+/// them to 5e-5: green is off by that over 0.678, twice, and f32 rounds by less.
+#[test]
+fn exr_of_luma_and_differences_has_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.exr");
+    let bt2020 = exr::meta::attribute::Chromaticities {
+        red: Vec2(0.708, 0.292),
+        green: Vec2(0.170, 0.797),
+        blue: Vec2(0.131, 0.046),
+        white: Vec2(0.3127, 0.3290),
+    };
+    let cases = [
+        (None, [0.2126, 0.7152, 0.0722], 1e-5),
+        (Some(bt2020), [0.2627, 0.6780, 0.0593], 1.5e-4),
+    ];
+    let rgb = |v: f32| [0.2 + v, 0.9 - 0.5 * v, 0.1 + 0.7 * v];
+    let mut count = 0;
+    for (primaries, weights, tolerance) in cases {
+        let luma = |v: f32| -> f32 { rgb(v).iter().zip(weights).map(|(c, w)| c * w).sum() };
+        let of = |light: &dyn Fn(f32) -> f32| {
+            FlatSamples::F32(plane(1.0).into_iter().map(light).collect())
+        };
+        let channels = [
+            ("Y", of(&luma)),
+            ("RY", of(&|v| (rgb(v)[0] - luma(v)) / luma(v))),
+            ("BY", of(&|v| (rgb(v)[2] - luma(v)) / luma(v))),
+        ];
+        let channels = channels
+            .into_iter()
+            .map(|(name, samples)| AnyChannel::new(name, samples));
+        let layer = Layer::new(
+            (WIDTH, HEIGHT),
+            LayerAttributes::default(),
+            Encoding::SMALL_LOSSLESS,
+            AnyChannels::sort(channels.collect()),
+        );
+        let mut picture = Image::from_layer(layer);
+        picture.attributes.chromaticities = primaries;
+        picture.write().to_file(&file).unwrap();
+        let picture = photo::load_colour(&file, None).unwrap();
+        assert_eq!(picture.planes.len(), 3);
+        for (k, plane) in picture.planes.iter().enumerate() {
+            for (i, found) in plane.iter().enumerate() {
+                let wanted = rgb(value(i % WIDTH, i / WIDTH))[k];
+                assert!(
+                    (found - wanted).abs() < tolerance,
+                    "{weights:?} {k} {i}: {found} {wanted}"
+                );
+                count += 1;
+            }
+        }
+        assert_light(&file, &Decode::default(), luma, 1e-6);
+    }
+    assert_eq!(count, 2 * 3 * WIDTH * HEIGHT);
+    // Differences for every second pixel are told: the decoder does not read them. The sampling is
+    // the last part of a channel's entry.
+    let mut bytes = std::fs::read(&file).unwrap();
+    let at = bytes.windows(3).position(|name| name == b"BY\0").unwrap() + 3 + 8;
+    bytes[at] = 2;
+    bytes[at + 4] = 2;
+    std::fs::write(&file, bytes).unwrap();
+    let error = photo::load_colour(&file, None).unwrap_err().to_string();
+    assert!(
+        error.contains("save it as an EXR of scan lines that has R, G and B"),
+        "{error}"
+    );
+}
+
 fn save(
     folder: &Path,
     name: &str,

@@ -111,30 +111,31 @@ pub enum Error {
         /// Length of the file, bytes.
         bytes: u64,
     },
-    /// An EXR that cannot be decoded.
+    /// A file that cannot be decoded.
     #[error(
-        "{file}: cannot be decoded as EXR ({}); write or copy the file again",
-        one_line(source)
+        "{}: cannot be decoded as {} ({}); copy the file again, or save it as {}",
+        file.display(), format.name(), one_line(reason), format.best()
     )]
-    Exr {
-        /// Path of the photograph.
-        file: PathBuf,
-        /// The decoder's error.
-        source: exr::error::Error,
-    },
-    /// A PNG, TIFF or JPEG that cannot be decoded.
-    #[error(
-        "{file}: cannot be decoded as {} ({}); write or copy the file again",
-        format.name(),
-        one_line(source)
-    )]
-    Raster {
+    Damaged {
         /// Path of the photograph.
         file: PathBuf,
         /// Format of the file by its first bytes.
         format: Format,
-        /// The decoder's error.
-        source: image::ImageError,
+        /// The decoder's message.
+        reason: String,
+    },
+    /// A file of a kind that is not read.
+    #[error(
+        "{}: holds {}, which fit does not read; save it as {}",
+        file.display(), one_line(what), format.best()
+    )]
+    Unread {
+        /// Path of the photograph.
+        file: PathBuf,
+        /// Format of the file by its first bytes.
+        format: Format,
+        /// The part that is not read, in words.
+        what: String,
     },
     /// A JPEG, or a TIFF of JPEGs, that lacks a part of its data.
     #[error("{file}: is cut short or damaged ({reason}); copy the photograph again")]
@@ -162,16 +163,6 @@ pub enum Error {
     Deep {
         /// Path of the photograph.
         file: PathBuf,
-    },
-    /// An EXR channel at a lower resolution than the picture.
-    #[error(
-        "{file}: channel {channel} is subsampled; save the EXR as full-resolution R, G, B or Y"
-    )]
-    Subsampled {
-        /// Path of the photograph.
-        file: PathBuf,
-        /// Name of the channel.
-        channel: String,
     },
     /// A channel that the file does not have.
     #[error("{file}: has no {wanted} channel; set `channel` to what it has: {}", found.join(", "))]

@@ -5,12 +5,17 @@ use std::io::BufReader;
 
 use exif::Exif;
 
+use crate::photographs::photo::caught::caught;
+
 /// Reads the Exif data of a JPEG, TIFF or PNG. Returns `None` if there are none.
 pub(crate) fn read(file: File) -> Option<Exif> {
     // A damaged entry must not hide the others.
-    let read = exif::Reader::new()
-        .continue_on_error(true)
-        .read_from_container(&mut BufReader::new(file));
-    let exif = read.or_else(|error| error.distill_partial_result(|_| ()));
-    exif.ok().filter(|exif| exif.fields().len() > 0)
+    let read = caught(|| {
+        let mut reader = exif::Reader::new();
+        let read = reader
+            .continue_on_error(true)
+            .read_from_container(&mut BufReader::new(file));
+        read.or_else(|error| error.distill_partial_result(|_| ()))
+    });
+    read.ok()?.ok().filter(|exif| exif.fields().len() > 0)
 }

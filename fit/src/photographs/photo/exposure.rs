@@ -8,6 +8,7 @@ use exif::{Context, Exif, Field, In, Tag, Value};
 
 use crate::photographs::photo::exif_data;
 use crate::photographs::photo::format::{extension, is_raw};
+use crate::photographs::photo::pages;
 use crate::photographs::photo::raw;
 use crate::photographs::photo::settings::{Settings, settings};
 
@@ -20,9 +21,9 @@ impl Settings {
     pub fn of(image: &Path) -> Result<Settings, String> {
         let mut first = Vec::with_capacity(16);
         let file = crate::document::open(image).map_err(|error| error.to_string())?;
-        let read = file.take(16).read_to_end(&mut first);
+        let read = (&file).take(16).read_to_end(&mut first);
         read.map_err(|error| error.to_string())?;
-        if is_raw(&extension(image), &first) {
+        if is_raw(&extension(image), &first) || pages::is_raw(&file) {
             return raw::settings(image);
         }
         let file = crate::document::open(image).map_err(|error| error.to_string())?;

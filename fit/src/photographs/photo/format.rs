@@ -47,6 +47,18 @@ impl Format {
         }
     }
 
+    /// Returns the kind of this format that keeps most of a photograph, in words.
+    pub(crate) const fn best(self) -> &'static str {
+        match self {
+            Format::Exr => "an EXR of scan lines that has R, G and B, or Y, for every pixel",
+            Format::Png => "a PNG of 16 bits",
+            Format::Tiff | Format::Raw => {
+                "a TIFF of 16 bits or 32-bit floats, grey or RGB, without compression"
+            }
+            Format::Jpeg => "a baseline JPEG, or better as a PNG or TIFF of 16 bits",
+        }
+    }
+
     /// Returns the extensions that names of such files have, in small letters.
     pub(crate) const fn extensions(self) -> &'static [&'static str] {
         match self {

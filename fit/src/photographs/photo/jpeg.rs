@@ -73,6 +73,8 @@ pub(crate) struct Whole {
     pub(crate) warning: Option<String>,
     /// True if the file has a part of an ICC profile.
     pub(crate) has_profile: bool,
+    /// True if a pixel has four colours: CMYK, or YCCK.
+    pub(crate) is_cmyk: bool,
 }
 
 /// Checks that a JPEG is whole.
@@ -92,6 +94,7 @@ pub(crate) fn check(bytes: &[u8]) -> Result<Whole, String> {
     Ok(Whole {
         warning: (state.left > 0).then_some(warning),
         has_profile: state.has_profile,
+        is_cmyk: state.frame.is_some_and(|frame| frame.components.len() == 4),
     })
 }
 

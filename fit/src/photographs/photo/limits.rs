@@ -7,6 +7,9 @@ use crate::photographs::photo::error::Error;
 /// Largest photograph that is decoded, pixels. A larger one is refused by its header alone.
 pub(crate) const MAX_PIXELS: u64 = 200_000_000;
 
+/// Memory that a decoder may allocate, bytes: that of the largest picture as four 16-bit channels.
+pub(crate) const MAX_BYTES: u64 = MAX_PIXELS * 8;
+
 /// Memory that all that stands before the pixels may take, bytes: the largest colour profiles have
 /// some MiB.
 pub(crate) const HEADER_BYTES: u64 = 64 << 20;

@@ -8,13 +8,18 @@ use std::path::Path;
 
 use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;
-use exr::meta::attribute::SampleType;
+use exr::error::Error as ExrError;
+use exr::meta::attribute::{Chromaticities, SampleType};
 use exr::meta::header::Header;
 use exr::prelude::f16;
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 
+use crate::photographs::photo::caught::caught;
 use crate::photographs::photo::channel::{Channel, Decode, REC709};
 use crate::photographs::photo::curve::Curve;
 use crate::photographs::photo::error::Error;
+use crate::photographs::photo::format::Format;
 use crate::photographs::photo::limits::{check_packed, check_size};
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::plane::Photo;
@@ -23,6 +28,9 @@ use crate::photographs::photo::transfer::Transfer;
 
 /// Bit of the version field that means "deep data inside" (OpenEXR file layout, version field).
 const DEEP_FLAG: u8 = 0x08;
+
+/// Number of blocks that are unpacked at a time.
+const AT_ONCE: usize = 16;
 
 /// One channel of the file and its weight in the plane.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,21 +100,38 @@ pub(crate) fn read_colour(
     reader: BufReader<File>,
     first: &[u8],
 ) -> Result<Picture, Error> {
-    let (width, height, planes, warnings) =
+    let mut differences = None;
+    let (width, height, mut planes, warnings) =
         read_planes(path, reader, first, Transfer::Linear, |headers| {
-            let mut coloured = layers(headers).into_iter().filter_map(|layer| {
-                let [Some(red), Some(green), Some(blue)] = layer.primaries() else {
-                    return None;
-                };
-                Some((layer.header, [red, green, blue]))
-            });
-            let Some((header, indices)) = coloured.next() else {
-                let grey = select(path, headers, &Channel::Luminance)?;
-                return Ok((grey.header, vec![grey.terms], grey.warnings));
-            };
             let single = |index| vec![Term { index, weight: 1.0 }];
-            Ok((header, indices.map(single).to_vec(), Vec::new()))
+            for layer in layers(headers) {
+                let indices = if let [Some(red), Some(green), Some(blue)] = layer.primaries() {
+                    [red, green, blue]
+                } else if let Some(indices) = layer.differences() {
+                    let primaries = headers[layer.header].shared_attributes.chromaticities;
+                    differences = Some(primaries.map_or(Some(REC709), weights));
+                    indices
+                } else {
+                    continue;
+                };
+                return Ok((layer.header, indices.map(single).to_vec(), Vec::new()));
+            }
+            let grey = select(path, headers, &Channel::Luminance)?;
+            Ok((grey.header, vec![grey.terms], grey.warnings))
         })?;
+    if let (Some(weights), [red, luma, blue]) = (differences, &mut planes[..]) {
+        let weights = weights.ok_or_else(|| Error::Damaged {
+            file: path.to_owned(),
+            format: Format::Exr,
+            reason: "its primaries make no colours".into(),
+        })?;
+        let pixels = red.iter_mut().zip(luma).zip(blue);
+        pixels.for_each(|((red, green), blue)| {
+            let luma = *green;
+            (*red, *blue) = ((1.0 + *red) * luma, (1.0 + *blue) * luma);
+            *green = (luma - weights[0] * *red - weights[2] * *blue) / weights[1];
+        });
+    }
     Ok(Picture {
         width,
         height,
@@ -114,6 +139,21 @@ pub(crate) fn read_colour(
         transfer: Transfer::Linear,
         warnings,
     })
+}
+
+/// Returns the share of red, green and blue in luminance for the primaries of a file: the amounts
+/// that make its white (SMPTE RP 177). Returns `None` if they do not make it.
+fn weights(primaries: Chromaticities) -> Option<[f32; 3]> {
+    let light = |at: exr::math::Vec2<f32>| {
+        let [x, y] = [at.x(), at.y()].map(f64::from);
+        Vector3::new(x / y, 1.0, (1.0 - x - y) / y)
+    };
+    let columns = [primaries.red, primaries.green, primaries.blue].map(light);
+    let amounts = Matrix3::from_columns(&columns)
+        .lu()
+        .solve(&light(primaries.white))?;
+    let weights = [0, 1, 2].map(|k| amounts[k] as f32);
+    (weights.iter().all(|w| w.is_finite()) && weights[1] > 0.0).then_some(weights)
 }
 
 /// Width, height, planes and warnings of a picture.
@@ -131,61 +171,63 @@ fn read_planes(
     if first.get(5).is_some_and(|flags| flags & DEEP_FLAG != 0) {
         return Err(Error::Deep { file: file() });
     }
-    let blocks = exr::block::read(reader, false).map_err(|source| Error::Exr {
-        file: file(),
-        source,
-    })?;
+    let broken = |error: ExrError| match error {
+        ExrError::NotSupported(what) => Error::Unread {
+            file: file(),
+            format: Format::Exr,
+            what: format!("what its decoder calls \"{what}\""),
+        },
+        error => Error::Damaged {
+            file: file(),
+            format: Format::Exr,
+            reason: error.to_string(),
+        },
+    };
+    let blocks = exr::block::read(reader, false).map_err(broken)?;
     let (chosen, terms, warnings) = choose(blocks.headers())?;
     let header = &blocks.headers()[chosen];
     if header.deep {
         return Err(Error::Deep { file: file() });
-    }
-    if let Some(channel) = header
-        .channels
-        .list
-        .iter()
-        .find(|channel| channel.sampling != exr::math::Vec2(1, 1))
-    {
-        return Err(Error::Subsampled {
-            file: file(),
-            channel: channel.name.to_string(),
-        });
     }
     let (width, height) = (header.layer_size.width(), header.layer_size.height());
     check_size(path, width as u64, height as u64)?;
     let bytes = header.channels.bytes_per_pixel as u64;
     check_packed(path, [width as u64, height as u64], bytes)?;
     let mut planes = vec![vec![0.0_f32; width * height]; terms.len()];
-    // Blocks are found by offsets, and two offsets may be the same.
-    let (mut seen, mut covered) = (HashSet::new(), 0);
-    blocks
+    let mut chunks = blocks
         .filter_chunks(false, |_, tile, block| {
             block.layer == chosen && tile.is_largest_resolution_level()
         })
-        .and_then(|chunks| {
-            chunks.decompress_parallel(false, |meta, block| {
-                let header = &meta.headers[chosen];
-                let (at, size) = (block.index.pixel_position, block.index.pixel_size);
-                if !seen.insert((at.x(), at.y())) {
-                    return Err(exr::error::Error::Invalid("a block is there twice".into()));
-                }
-                covered += size.area();
-                let mut pairs = planes.iter_mut().zip(&terms);
-                pairs.try_for_each(|(plane, terms)| {
-                    add_block(plane, width, header, &block, terms, transfer)
-                })
-            })
-        })
-        .map_err(|source| Error::Exr {
-            file: file(),
-            source,
-        })?;
-
-    if covered != width * height {
-        return Err(Error::Exr {
-            file: file(),
-            source: exr::error::Error::Invalid("blocks are missing".into()),
+        .map_err(broken)?;
+    let meta = chunks.meta_data().clone();
+    // Blocks are found by offsets, and two offsets may be the same.
+    let (mut seen, mut covered) = (HashSet::new(), 0);
+    loop {
+        let packed: Vec<_> = chunks.by_ref().take(AT_ONCE).collect();
+        if packed.is_empty() {
+            break;
+        }
+        // The decoder's own threads would end the program if one of them panicked.
+        let unpacked = packed.into_par_iter().map(|chunk| {
+            caught(|| UncompressedBlock::decompress_chunk(chunk?, &meta, false))
+                .unwrap_or_else(|reason| Err(ExrError::Invalid(reason.into())))
         });
+        let unpacked: Vec<_> = unpacked.collect();
+        for block in unpacked {
+            let block = block.map_err(broken)?;
+            let (at, size) = (block.index.pixel_position, block.index.pixel_size);
+            if !seen.insert((at.x(), at.y())) {
+                return Err(broken(ExrError::Invalid("a block is there twice".into())));
+            }
+            covered += size.area();
+            for (plane, terms) in planes.iter_mut().zip(&terms) {
+                let header = &meta.headers[chosen];
+                add_block(plane, width, header, &block, terms, transfer).map_err(broken)?;
+            }
+        }
+    }
+    if covered != width * height {
+        return Err(broken(ExrError::Invalid("blocks are missing".into())));
     }
     Ok((width, height, planes, warnings))
 }
@@ -205,7 +247,7 @@ fn add_block(
             continue;
         };
         let start = at.position.y() * width + at.position.x();
-        let outside = || exr::error::Error::Invalid("a block lies outside the data window".into());
+        let outside = || ExrError::Invalid("a block lies outside the data window".into());
         let pixels = plane
             .get_mut(start..start + at.sample_count)
             .ok_or_else(outside)?;
@@ -254,6 +296,13 @@ impl Layer {
             self.find(["G", "green"]),
             self.find(["B", "blue"]),
         ]
+    }
+
+    /// Returns the channels of luminance and colour differences, which programs write to save room:
+    /// (R - Y)/Y, Y and (B - Y)/Y.
+    fn differences(&self) -> Option<[usize; 3]> {
+        let [red, luma, blue] = ["RY", "Y", "BY"].map(|name| self.find([name, name]));
+        Some([red?, luma?, blue?])
     }
 
     /// Returns the only channel that is not transparency, or `None` if there are none or several.

@@ -5,9 +5,7 @@ use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use image::metadata::Orientation;
-use image::{
-    ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, ImageReader, Limits,
-};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
 use rayon::prelude::*;
 
@@ -19,20 +17,20 @@ use crate::photographs::photo::format::Format;
 use crate::photographs::photo::icc;
 use crate::photographs::photo::jpeg;
 use crate::photographs::photo::jpeg::Whole;
-use crate::photographs::photo::limits::{HEADER_BYTES, MAX_PIXELS, check_packed, check_size};
+use crate::photographs::photo::limits::{HEADER_BYTES, MAX_BYTES, check_packed, check_size};
+use crate::photographs::photo::page;
+use crate::photographs::photo::page::Opened;
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::plane::{Photo, TURNED};
+use crate::photographs::photo::samples::{Alpha, Samples, Stored, upright};
 use crate::photographs::photo::statement;
-use crate::photographs::photo::strips;
 use crate::photographs::photo::taken::{Curves, GIVEN};
 use crate::photographs::photo::transfer::Transfer;
 
-/// Memory that a decoder may allocate, bytes: that of the largest picture as four 16-bit channels.
-const MAX_BYTES: u64 = MAX_PIXELS * 8;
-
-/// A decoded picture, upright, and all that its file says of it.
+/// A decoded picture, and all that its file says of it.
 struct Decoded {
-    picture: DynamicImage,
+    stored: Stored,
+    orientation: Orientation,
     curves: Curves,
     warnings: Vec<String>,
 }
@@ -57,41 +55,46 @@ pub(crate) fn read_colour(
     transfer: Option<Transfer>,
 ) -> Result<Picture, Error> {
     let Decoded {
-        picture,
+        stored,
+        orientation,
         curves,
         mut warnings,
     } = decode(path, reader, format, transfer)?;
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    let colour = picture.color();
-    // The number of stored channels includes alpha; the number of used ones does not.
-    let stored = usize::from(colour.channel_count());
-    let used = if colour.has_color() { 3 } else { 1 };
-    let mut planes = match &picture {
-        DynamicImage::ImageLuma8(p) => split8(p, stored, used, &curves),
-        DynamicImage::ImageLumaA8(p) => split8(p, stored, used, &curves),
-        DynamicImage::ImageRgb8(p) => split8(p, stored, used, &curves),
-        DynamicImage::ImageRgba8(p) => split8(p, stored, used, &curves),
-        DynamicImage::ImageLuma16(p) => split16(p, stored, used, &curves),
-        DynamicImage::ImageLumaA16(p) => split16(p, stored, used, &curves),
-        DynamicImage::ImageRgb16(p) => split16(p, stored, used, &curves),
-        DynamicImage::ImageRgba16(p) => split16(p, stored, used, &curves),
-        other => split(&other.to_rgb32f(), 3, 3, |channel, value: f32| {
-            curves.of(channel).light(value)
-        }),
-    };
-    if colour.has_alpha() && darkened(&mut planes, &picture) {
-        warnings.push("transparent parts give no light: they count as black".into());
+    let mut planes: Vec<Vec<f32>> = (0..stored.colours())
+        .into_par_iter()
+        .map(|channel| {
+            let mut weights = [0.0; 3];
+            weights[channel] = 1.0;
+            light(&stored, &weights[..=channel], &curves, false)
+        })
+        .collect();
+    match stored.alpha {
+        Alpha::Straight if darkened(&mut planes, &stored.alphas()) => {
+            warnings.push("transparent parts give no light: they count as black".into());
+        }
+        Alpha::Premultiplied if stored.alphas().iter().any(|&alpha| alpha < 1.0) => {
+            warnings.push(
+                "transparent parts give the light that is stored: the file says that it was \
+                multiplied by its alpha"
+                    .into(),
+            );
+        }
+        _ => {}
     }
-    if colour.has_color() && curves.from == DEFAULT_OF_16_BITS {
+    if stored.has_colour && curves.from == DEFAULT_OF_16_BITS {
         warnings.push(
             "the file does not say what its 16 bits mean: they were taken as linear light; if the \
             colours are pale, give --transfer srgb"
                 .into(),
         );
     }
+    let mut size = stored.size;
+    for plane in &mut planes {
+        (*plane, size) = upright(std::mem::take(plane), stored.size, orientation);
+    }
     Ok(Picture {
-        width,
-        height,
+        width: size[0],
+        height: size[1],
         planes,
         transfer: if curves.are_linear() {
             Transfer::Linear
@@ -103,74 +106,62 @@ pub(crate) fn read_colour(
 }
 
 /// Multiplies light by the alpha of its pixel, and returns whether any pixel is transparent.
-fn darkened(planes: &mut [Vec<f32>], picture: &DynamicImage) -> bool {
-    let alpha: Vec<f32> = picture
-        .to_rgba32f()
-        .pixels()
-        .map(|pixel| pixel.0[3])
-        .collect();
+fn darkened(planes: &mut [Vec<f32>], alphas: &[f32]) -> bool {
     for (light, alpha) in planes
         .iter_mut()
-        .flat_map(|plane| plane.iter_mut().zip(&alpha))
+        .flat_map(|plane| plane.iter_mut().zip(alphas))
     {
         *light *= alpha;
     }
-    alpha.iter().any(|&alpha| alpha < 1.0)
+    alphas.iter().any(|&alpha| alpha < 1.0)
 }
 
-/// Returns the number of bits of a channel.
-fn bits(colour: ColorType) -> u16 {
-    colour.bits_per_pixel() / u16::from(colour.channel_count())
-}
-
-fn split8(samples: &[u8], stored: usize, used: usize, curves: &Curves) -> Vec<Vec<f32>> {
-    let light = light8(curves);
-    split(samples, stored, used, |channel, code| {
-        light.of(channel)[usize::from(code)]
-    })
-}
-
-fn split16(samples: &[u16], stored: usize, used: usize, curves: &Curves) -> Vec<Vec<f32>> {
-    let light = light16(curves);
-    split(samples, stored, used, |channel, code| {
-        light.of(channel)[usize::from(code)]
-    })
-}
-
-/// Returns one plane for each of the first `used` of `stored` channels.
-fn split<S: Copy + Sync>(
-    samples: &[S],
-    stored: usize,
-    used: usize,
-    light: impl Fn(usize, S) -> f32 + Sync,
-) -> Vec<Vec<f32>> {
-    let plane = |channel| {
-        let pixels = samples.chunks_exact(stored);
-        pixels.map(|pixel| light(channel, pixel[channel])).collect()
-    };
-    (0..used).into_par_iter().map(plane).collect()
-}
-
-/// Decodes the whole picture and turns it upright. `transfer` has the meaning of
-/// [`Decode::transfer`].
+/// Decodes the whole picture. `transfer` has the meaning of [`Decode::transfer`].
 fn decode(
     path: &Path,
     reader: BufReader<File>,
     format: Format,
     transfer: Option<Transfer>,
 ) -> Result<Decoded, Error> {
-    let broken = |source| Error::Raster {
+    let Opened {
+        stored,
+        orientation,
+        profile,
+        mut warnings,
+    } = match format {
+        Format::Tiff => page::read(path, reader)?,
+        _ => unpacked(path, reader, format)?,
+    };
+    let curves = match transfer {
+        Some(given) => Curves::one(Curve::Named(given), GIVEN),
+        None => statement::curves(path, format, stored.has_colour, || profile)?
+            .unwrap_or_else(|| of_format(&stored.samples)),
+    };
+    warnings.extend(curves.doubt.clone());
+    if orientation != Orientation::NoTransforms {
+        warnings.push(TURNED.into());
+    }
+    Ok(Decoded {
+        stored,
+        orientation,
+        curves,
+        warnings,
+    })
+}
+
+/// Decodes a PNG or JPEG.
+fn unpacked(path: &Path, reader: BufReader<File>, format: Format) -> Result<Opened, Error> {
+    let broken = |error: ImageError| Error::Damaged {
         file: path.to_owned(),
         format,
-        source,
+        reason: error.to_string(),
     };
     let reader = sized(path, reader, format)?;
     let mut reader = ImageReader::with_format(
         reader,
         match format {
-            Format::Tiff => ImageFormat::Tiff,
             Format::Jpeg => ImageFormat::Jpeg,
-            Format::Png | Format::Exr | Format::Raw => ImageFormat::Png,
+            _ => ImageFormat::Png,
         },
     );
     // These limits bound what stands before the pixels: a profile may inflate a thousandfold. The
@@ -186,40 +177,24 @@ fn decode(
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_BYTES);
     decoder.set_limits(limits).map_err(broken)?;
-    if matches!(
-        decoder.original_color_type(),
-        ExtendedColorType::Cmyk8 | ExtendedColorType::Cmyk16
-    ) {
+    let orientation = decoder.orientation().map_err(broken)?;
+    let whole = whole(path, format)?;
+    if whole.is_cmyk {
         return Err(Error::Cmyk {
             file: path.to_owned(),
         });
     }
-    let orientation = decoder.orientation().map_err(broken)?;
-    let whole = whole(path, format)?;
-    let mut warnings: Vec<String> = whole.warning.into_iter().collect();
-    let curves = match transfer {
-        Some(given) => Curves::one(Curve::Named(given), GIVEN),
-        None => {
-            let colour = decoder.color_type();
-            let profile = || match decoder.icc_profile() {
-                Ok(None) if !whole.has_profile => Ok(None),
-                Ok(Some(bytes)) => Ok(Some(bytes)),
-                _ => Err(icc::DAMAGED.to_owned()),
-            };
-            let named = statement::curves(path, format, colour.has_color(), profile)?;
-            named.unwrap_or_else(|| of_format(bits(colour)))
-        }
+    let profile = match decoder.icc_profile() {
+        Ok(None) if !whole.has_profile => Ok(None),
+        Ok(Some(bytes)) => Ok(Some(bytes)),
+        _ => Err(icc::DAMAGED.to_owned()),
     };
-    warnings.extend(curves.doubt.clone());
-    let mut picture = DynamicImage::from_decoder(decoder).map_err(broken)?;
-    if orientation != Orientation::NoTransforms {
-        picture.apply_orientation(orientation);
-        warnings.push(TURNED.into());
-    }
-    Ok(Decoded {
-        picture,
-        curves,
-        warnings,
+    let picture = DynamicImage::from_decoder(decoder).map_err(broken)?;
+    Ok(Opened {
+        stored: picture.into(),
+        orientation,
+        profile,
+        warnings: whole.warning.into_iter().collect(),
     })
 }
 
@@ -247,11 +222,13 @@ fn sized(
 const DEFAULT_OF_16_BITS: &str = "default of 16 bits";
 
 /// Returns the curve of a format whose file says nothing of it.
-fn of_format(bits: u16) -> Curves {
-    match bits {
-        8 => Curves::one(Curve::Named(Transfer::Srgb), "default of 8 bits"),
-        16 => Curves::one(Curve::Named(Transfer::Linear), DEFAULT_OF_16_BITS),
-        _ => Curves::one(Curve::Named(Transfer::Linear), "default of floats"),
+fn of_format(samples: &Samples) -> Curves {
+    let linear = |from: &str| Curves::one(Curve::Named(Transfer::Linear), from);
+    match samples {
+        Samples::Bytes(_) => Curves::one(Curve::Named(Transfer::Srgb), "default of 8 bits"),
+        Samples::Words(_) => linear(DEFAULT_OF_16_BITS),
+        Samples::Floats(_, false) => linear("default of floats"),
+        Samples::Floats(_, true) => linear("default of 32-bit and signed numbers"),
     }
 }
 
@@ -262,18 +239,16 @@ fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Refuses a JPEG, or a TIFF of JPEGs, that is not whole.
+/// Refuses a JPEG that is not whole.
 fn whole(path: &Path, format: Format) -> Result<Whole, Error> {
-    let io = |source| Error::Io {
+    if format != Format::Jpeg {
+        return Ok(Whole::default());
+    }
+    let bytes = bytes_of(path).map_err(|source| Error::Io {
         file: path.to_owned(),
         source,
-    };
-    let checked = match format {
-        Format::Jpeg => jpeg::check(&bytes_of(path).map_err(io)?),
-        Format::Tiff => strips::check(BufReader::new(open(path).map_err(io)?)),
-        Format::Png | Format::Exr | Format::Raw => return Ok(Whole::default()),
-    };
-    checked.map_err(|reason| Error::CutShort {
+    })?;
+    jpeg::check(&bytes).map_err(|reason| Error::CutShort {
         file: path.to_owned(),
         reason,
     })
@@ -282,14 +257,13 @@ fn whole(path: &Path, format: Format) -> Result<Whole, Error> {
 /// Computes the plane from the picture, and adds warnings about what was assumed.
 fn plane(path: &Path, decoded: Decoded, channel: &Channel) -> Result<Photo, Error> {
     let Decoded {
-        picture,
+        stored,
+        orientation,
         curves,
         mut warnings,
     } = decoded;
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    let colour = picture.color();
     let transfer = curves.taken();
-    if bits(colour) == 8 {
+    if matches!(stored.samples, Samples::Bytes(_)) {
         let from = if curves.are_linear() {
             String::new()
         } else {
@@ -299,10 +273,10 @@ fn plane(path: &Path, decoded: Decoded, channel: &Channel) -> Result<Photo, Erro
             "8-bit values{from} limit the accuracy; prefer linear 16-bit or EXR"
         ));
     }
-    if colour.has_alpha() {
+    if stored.alpha != Alpha::None {
         warnings.push("the alpha channel was ignored".into());
     }
-    let (weights, found): (&[f32], &[&str]) = match (colour.has_color(), channel) {
+    let (weights, found): (&[f32], &[&str]) = match (stored.has_colour, channel) {
         (false, Channel::Luminance) => (&[1.0], &[]),
         (true, Channel::Luminance) => (&REC709, &[]),
         (true, Channel::Red) => (&[1.0, 0.0, 0.0], &[]),
@@ -318,34 +292,54 @@ fn plane(path: &Path, decoded: Decoded, channel: &Channel) -> Result<Photo, Erro
             found: found.iter().map(ToString::to_string).collect(),
         });
     }
-    let channels = usize::from(colour.channel_count());
-    let mut clip_level = Some(1.0);
-    let luminance = match picture {
-        DynamicImage::ImageLuma8(pixels) => bytes(&pixels, channels, weights, &curves),
-        DynamicImage::ImageLumaA8(pixels) => bytes(&pixels, channels, weights, &curves),
-        DynamicImage::ImageRgb8(pixels) => bytes(&pixels, channels, weights, &curves),
-        DynamicImage::ImageRgba8(pixels) => bytes(&pixels, channels, weights, &curves),
-        DynamicImage::ImageLuma16(pixels) => words(&pixels, channels, weights, &curves),
-        DynamicImage::ImageLumaA16(pixels) => words(&pixels, channels, weights, &curves),
-        DynamicImage::ImageRgb16(pixels) => words(&pixels, channels, weights, &curves),
-        DynamicImage::ImageRgba16(pixels) => words(&pixels, channels, weights, &curves),
-        // All other pictures hold floats, which have no full scale.
-        other => {
-            clip_level = None;
-            let pixels = other.into_rgb32f();
-            let light = |channel, value: f32| curves.of(channel).light(value);
-            weigh(&pixels, 3, weights, None, light)
-        }
-    };
+    let luminance = light(&stored, weights, &curves, true);
+    let (luminance, [width, height]) = upright(luminance, stored.size, orientation);
     Ok(Photo {
         width,
         height,
         luminance,
-        clip_level,
+        // Floats have no full scale.
+        clip_level: (!matches!(stored.samples, Samples::Floats(_, false))).then_some(1.0),
         clips_alone: weights.iter().filter(|&&weight| weight != 0.0).count() == 1,
         transfer,
         warnings,
     })
+}
+
+/// Returns the weighted sum of the light of the channels of each pixel. If `marks_full`, the sum is
+/// unknown if one of the channels used is saturated: the pixel is set to full scale, so that
+/// [`Photo::clipped`] counts it.
+fn light(stored: &Stored, weights: &[f32], curves: &Curves, marks_full: bool) -> Vec<f32> {
+    let channels = stored.channels;
+    match &stored.samples {
+        Samples::Bytes(samples) => {
+            let light = Tables::new(curves, u8::MAX.into());
+            let light = |channel, code| light.of(channel)[usize::from(code)];
+            weigh(
+                samples,
+                channels,
+                weights,
+                marks_full.then_some(u8::MAX),
+                light,
+            )
+        }
+        Samples::Words(samples) => {
+            let light = Tables::new(curves, u16::MAX);
+            let light = |channel, code| light.of(channel)[usize::from(code)];
+            weigh(
+                samples,
+                channels,
+                weights,
+                marks_full.then_some(u16::MAX),
+                light,
+            )
+        }
+        Samples::Floats(samples, is_whole) => {
+            let light = |channel, value: f32| curves.of(channel).light(value);
+            let full = (marks_full && *is_whole).then_some(1.0);
+            weigh(samples, channels, weights, full, light)
+        }
+    }
 }
 
 /// Light of every code: one table for all channels, or one for each of red, green and blue.
@@ -366,41 +360,7 @@ impl Tables {
     }
 }
 
-/// Returns the light of every 8-bit code.
-fn light8(curves: &Curves) -> Tables {
-    Tables::new(curves, u8::MAX.into())
-}
-
-/// Returns the light of every 16-bit code.
-fn light16(curves: &Curves) -> Tables {
-    Tables::new(curves, u16::MAX)
-}
-
-fn bytes(samples: &[u8], channels: usize, weights: &[f32], curves: &Curves) -> Vec<f32> {
-    let light = light8(curves);
-    weigh(
-        samples,
-        channels,
-        weights,
-        Some(u8::MAX),
-        |channel, code| light.of(channel)[usize::from(code)],
-    )
-}
-
-fn words(samples: &[u16], channels: usize, weights: &[f32], curves: &Curves) -> Vec<f32> {
-    let light = light16(curves);
-    weigh(
-        samples,
-        channels,
-        weights,
-        Some(u16::MAX),
-        |channel, code| light.of(channel)[usize::from(code)],
-    )
-}
-
-/// Returns the weighted sum of the channels of each pixel. If one of the channels used is
-/// saturated, the sum is unknown: the pixel is set to full scale, so that [`Photo::clipped`] counts
-/// it.
+/// Returns the weighted sum of the channels of each pixel, or 1 if one of those used is `full`.
 fn weigh<S: Copy + PartialEq>(
     samples: &[S],
     channels: usize,

@@ -1,11 +1,7 @@
 //! The transfer that a PNG, TIFF or JPEG states.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
-
-use tiff::decoder::Decoder;
-use tiff::tags::Tag;
 
 use crate::photographs::photo::error::Error;
 use crate::photographs::photo::format::Format;
@@ -17,8 +13,8 @@ const PROFILE: &str = "ICC profile";
 
 /// Returns the curves that a file states, or `None` if it states none.
 ///
-/// `colour` says whether the picture has colours. `jpeg` returns the profile of a JPEG, and fails,
-/// in words, if the profile is damaged.
+/// `colour` says whether the picture has colours. `profile` returns the profile of a JPEG or TIFF,
+/// and fails, in words, if the profile is damaged.
 ///
 /// # Errors
 /// Returns [`Error::Tone`] if the statement cannot be followed, and [`Error::Io`] if the file
@@ -27,7 +23,7 @@ pub(crate) fn curves(
     path: &Path,
     format: Format,
     colour: bool,
-    jpeg: impl FnOnce() -> Result<Option<Vec<u8>>, String>,
+    profile: impl FnOnce() -> Result<Option<Vec<u8>>, String>,
 ) -> Result<Option<Curves>, Error> {
     let tone = |(part, reason)| Error::Tone {
         file: path.to_owned(),
@@ -43,8 +39,7 @@ pub(crate) fn curves(
     };
     let profile = match format {
         Format::Png => return chunks::curves(&mut open()?, colour).map_err(tone),
-        Format::Tiff => in_tiff(open()?),
-        Format::Jpeg => jpeg(),
+        Format::Tiff | Format::Jpeg => profile(),
         Format::Exr | Format::Raw => Ok(None),
     };
     let curves = profile.and_then(|profile| {
@@ -57,16 +52,4 @@ pub(crate) fn curves(
     }
     let exif = exif_data::read(open()?.into_inner());
     Ok(exif.as_ref().and_then(colour_space::curves))
-}
-
-/// Returns the profile of a TIFF. The decoder of the pixels drops a profile that is large beside
-/// the picture.
-fn in_tiff(reader: BufReader<File>) -> Result<Option<Vec<u8>>, String> {
-    // A directory that cannot be read is refused when the pixels are.
-    let Ok(mut decoder) = Decoder::new(reader) else {
-        return Ok(None);
-    };
-    let tag = decoder.find_tag(Tag::IccProfile);
-    let bytes = tag.and_then(|tag| tag.map(|value| value.into_u8_vec()).transpose());
-    bytes.map_err(|_| icc::DAMAGED.to_owned())
 }

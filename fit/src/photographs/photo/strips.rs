@@ -6,45 +6,17 @@
 
 use std::io::{Read, Seek, SeekFrom};
 
-use tiff::decoder::Decoder;
-use tiff::tags::{CompressionMethod, Tag};
-
 use crate::photographs::photo::jpeg;
 use crate::photographs::photo::jpeg::Whole;
 
 /// Length of a marker of a JPEG, bytes.
 const MARKER: usize = 2;
 
-/// Checks that all strips or tiles of a TIFF are whole, if they are JPEGs.
+/// Checks strips or tiles that are JPEGs, start at these places of the file and have these lengths.
 ///
 /// # Errors
 /// Returns the reason, in words, if something is missing or has no meaning.
-pub(crate) fn check(reader: impl Read + Seek) -> Result<Whole, String> {
-    // A directory that cannot be read is refused when the pixels are.
-    let Ok(mut decoder) = Decoder::new(reader) else {
-        return Ok(Whole::default());
-    };
-    let method = decoder.find_tag_unsigned::<u16>(Tag::Compression);
-    if !matches!(method, Ok(Some(code)) if code == CompressionMethod::ModernJPEG.to_u16()) {
-        return Ok(Whole::default());
-    }
-    let lists = || "its list of strips cannot be read".to_owned();
-    let tables = decoder.find_tag(Tag::JPEGTables).map_err(|_| lists())?;
-    let tables = tables.map(|value| value.into_u8_vec()).transpose();
-    let tables = tables.map_err(|_| lists())?;
-    let mut list = |names: [Tag; 2]| {
-        names.into_iter().find_map(|name| {
-            let found = decoder.find_tag_unsigned_vec::<u64>(name);
-            found.ok().flatten()
-        })
-    };
-    let starts = list([Tag::StripOffsets, Tag::TileOffsets]).ok_or_else(lists)?;
-    let lengths = list([Tag::StripByteCounts, Tag::TileByteCounts]).ok_or_else(lists)?;
-    strips(decoder.inner(), tables.as_deref(), &starts, &lengths)
-}
-
-/// Checks strips that start at these places of the file and have these lengths.
-fn strips(
+pub(crate) fn check(
     file: &mut (impl Read + Seek),
     tables: Option<&[u8]>,
     starts: &[u64],
