@@ -153,7 +153,7 @@ impl Packed {
             (2, _) => code as i64 as u64,
             _ => code as u64,
         };
-        if bits % 8 == 0 {
+        if bits.is_multiple_of(8) {
             self.bytes
                 .extend(number_of(number, bits as usize / 8, kind.is_little));
             return;
@@ -495,8 +495,8 @@ fn palettes_and_luma_are_colours() {
     };
     let code = |x: usize, y: usize, k: usize| rgb(luma(x, y))[k].clamp(0.0, 255.0);
     let stored = |x: usize, y: usize, k: usize| f64::from(shown.get_pixel(x as u32, y as u32).0[k]);
-    let cases: [(&str, Page, &dyn Fn(usize, usize, usize) -> f64); 2] =
-        [("JPEG", packed, &stored), ("plain", plain, &code)];
+    type Codes<'a> = &'a dyn Fn(usize, usize, usize) -> f64;
+    let cases: [(&str, Page, Codes); 2] = [("JPEG", packed, &stored), ("plain", plain, &code)];
     let mut pixels = 0;
     for (case, page, wanted) in cases {
         let picture = colour(&file(PLAIN, &[page]));
