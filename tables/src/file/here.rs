@@ -12,7 +12,7 @@ use crate::table::table::Table;
 /// Longest file that is read, bytes: the largest table within the memory limit, incompressible.
 pub(crate) const MOST_BYTES: u64 = (1 << 31) + (1 << 24);
 
-/// First bytes of every HDF5 file.
+/// First bytes of every HDF5 file, behind its user block.
 const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 /// Reads a table in this very process.
@@ -114,12 +114,13 @@ pub(crate) fn table(content: Vec<u8>, name: &Path) -> Result<Table, Error> {
 
 /// Checks all that can be checked without the HDF5 library, which is not made for damaged files.
 fn guard(content: &[u8], name: &Path) -> Result<(), Error> {
-    if !content.starts_with(&SIGNATURE) {
+    let whole = content.len();
+    let Some(content) = without_user_block(content) else {
         return Err(Error::NotHdf5 {
             file: name.to_owned(),
-            bytes: content.len() as u64,
+            bytes: whole as u64,
         });
-    }
+    };
     if let Seal::Broken { stored, computed } = seal::check(content) {
         return Err(Error::Damaged {
             file: name.to_owned(),
@@ -130,8 +131,21 @@ fn guard(content: &[u8], name: &Path) -> Result<(), Error> {
     match heap::first_broken(content) {
         Some(offset) => Err(Error::Heap {
             file: name.to_owned(),
-            offset,
+            offset: whole - content.len() + offset,
         }),
         None => Ok(()),
     }
+}
+
+/// Returns the bytes from the HDF5 signature on; `None` without one.
+///
+/// A file may begin with a block of its user's own, of 512 bytes or twice as many any number of
+/// times. The library passes over it.
+fn without_user_block(content: &[u8]) -> Option<&[u8]> {
+    let starts = std::iter::successors(Some(512_usize), |start| start.checked_mul(2));
+    let mut starts = std::iter::once(0).chain(starts.take_while(|&start| start < content.len()));
+    starts.find_map(|start| {
+        let content = &content[start..];
+        content.starts_with(&SIGNATURE).then_some(content)
+    })
 }

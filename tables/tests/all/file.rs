@@ -54,6 +54,20 @@ fn every_kind_of_table_comes_back_bit_for_bit() {
             fs::read(&first).unwrap() == fs::read(&second).unwrap(),
             "{kind}: bytes depend on the time"
         );
+        // A block of the user's before the file, of a length that HDF5 allows, with the seal or
+        // without it.
+        let whole = fs::read(&first).unwrap();
+        for (block, end) in [(512, 0), (4096, 40), (100, 0), (768, 0)] {
+            let end = whole.len() - end;
+            fs::write(&second, [&vec![b'x'; block], &whole[..end]].concat()).unwrap();
+            match read(&second) {
+                Ok(back) => assert_eq!((back, block % 512), (table.clone(), 0), "{kind}, {block}"),
+                Err(error) => assert!(
+                    matches!(error, Error::NotHdf5 { .. }) && ![512, 4096].contains(&block),
+                    "{kind}, {block}: {error}"
+                ),
+            }
+        }
         tried += 1;
     }
     assert_eq!(tried, 10);
