@@ -1,5 +1,5 @@
-//! seccomp: a thread that can ask the system for memory and the clock, read standard input and
-//! write standard output.
+//! Descriptors and calls: a process that has the three standard streams alone, and a thread that
+//! can ask the system for memory and the clock, read standard input and write standard output.
 //!
 //! The list is what the library, the allocator and the runtime were seen to call while they read
 //! all kinds of tables and damaged ones. Any other call fails with "not permitted". It does not end
@@ -39,6 +39,14 @@ const INPUT: u64 = 0;
 /// Descriptors that may be written: standard output and standard error.
 const OUTPUTS: [u64; 2] = [1, 2];
 
+/// Closes all files but the standard streams, those that the caller left open; returns whether that
+/// holds. Rust's own files must not be used any more.
+#[allow(unsafe_code, reason = "a call into the system that Rust does not wrap")]
+pub(crate) fn close_files() -> bool {
+    // SAFETY: the call takes numbers. Nothing in this process owns a file from here on.
+    unsafe { libc::syscall(libc::SYS_close_range, 3, libc::c_uint::MAX, 0) == 0 }
+}
+
 /// Gives up all calls but those of this file for the thread; returns whether that holds.
 ///
 /// Sets `no_new_privs` too.
@@ -48,20 +56,23 @@ pub(crate) fn give_up() -> bool {
 
 /// Returns the filter.
 fn program() -> Result<BpfProgram, seccompiler::BackendError> {
-    let when = |argument, value, how| {
-        SeccompCondition::new(argument, SeccompCmpArgLen::Dword, how, value)
+    let equal = |argument, value| {
+        SeccompCondition::new(argument, SeccompCmpArgLen::Dword, SeccompCmpOp::Eq, value)
             .and_then(|condition| SeccompRule::new(vec![condition]))
     };
-    let equal = |argument, value| when(argument, value, SeccompCmpOp::Eq);
-    // Memory may be mapped if no code can be run from it.
-    let data = || {
-        let code = libc::PROT_EXEC as u64;
-        when(2, 0, SeccompCmpOp::MaskedEq(code)).map(|rule| vec![rule])
+    // Memory may be mapped if no code can be run from it, and if no file lies behind it: through a
+    // file that the caller has open, content would leave this process.
+    let condition = |argument, value, bits: i32| {
+        let how = SeccompCmpOp::MaskedEq(bits as u64);
+        SeccompCondition::new(argument, SeccompCmpArgLen::Dword, how, value)
     };
+    let data = || condition(2, 0, libc::PROT_EXEC);
+    let own = || condition(3, libc::MAP_ANONYMOUS as u64, libc::MAP_ANONYMOUS);
     let mut rules: BTreeMap<i64, Vec<SeccompRule>> =
         ALLOWED.iter().map(|&call| (call, Vec::new())).collect();
-    rules.insert(libc::SYS_mmap, data()?);
-    rules.insert(libc::SYS_mprotect, data()?);
+    let mapped = SeccompRule::new(vec![data()?, own()?])?;
+    rules.insert(libc::SYS_mmap, vec![mapped]);
+    rules.insert(libc::SYS_mprotect, vec![SeccompRule::new(vec![data()?])?]);
     rules.insert(libc::SYS_read, vec![equal(0, INPUT)?]);
     let outputs = OUTPUTS.map(|output| equal(0, output));
     rules.insert(
@@ -87,25 +98,31 @@ mod tests {
     use std::thread;
 
     use super::*;
+    use crate::tries::map;
 
-    /// The filter alone, in a thread of its own: the layer above Landlock refuses files too.
+    /// The filter alone, in a thread of its own: the layer above Landlock refuses files too, and
+    /// a file that is open already cannot be mapped.
     #[test]
-    fn seccomp_alone_refuses_files_and_sockets() {
+    fn seccomp_alone_refuses_files_sockets_and_maps() {
         let program = std::env::current_exe().expect("a test is a file");
-        File::open(&program).expect("it can be read before");
+        let open = File::open(&program).expect("it can be read before");
+        map(&open).expect("it can be mapped before");
         UdpSocket::bind("127.0.0.1:0").expect("it can be bound before");
         let tried = thread::spawn(move || {
             if !give_up() {
                 return None;
             }
-            let file = File::open(program).map(|_| ());
-            let socket = UdpSocket::bind("127.0.0.1:0").map(|_| ());
-            Some([file, socket].map(|tried| tried.map_err(|error| error.kind())))
+            let file = File::open(program).map(drop);
+            let socket = UdpSocket::bind("127.0.0.1:0").map(drop);
+            // Memory of this size is mapped anew.
+            let memory = vec![1_u8; 1 << 26];
+            let tried = [file, socket, map(&open)].map(|tried| tried.map_err(|e| e.kind()));
+            Some((tried, memory.len()))
         })
         .join()
         .expect("the thread ends");
         match tried {
-            Some(tried) => assert_eq!(tried, [Err(ErrorKind::PermissionDenied); 2]),
+            Some((tried, _)) => assert_eq!(tried, [Err(ErrorKind::PermissionDenied); 3]),
             None => println!("this kernel has no seccomp: 0 tries"),
         }
     }

@@ -17,7 +17,8 @@ pub(crate) fn confine(file_bytes: u64) -> Vec<Protection> {
     lacking.map(|(protection, _)| protection).collect()
 }
 
-/// Gives up files, then what is left of the system's calls; returns whether each was possible.
+/// Gives up files, those that the caller left open too, then what is left of the system's calls;
+/// returns whether each was possible.
 #[cfg(target_os = "linux")]
 fn rights() -> (bool, bool) {
     use rustix::process::{Resource, Rlimit, setrlimit};
@@ -26,7 +27,7 @@ fn rights() -> (bool, bool) {
         current: Some(0),
         maximum: Some(0),
     };
-    let files = crate::files::give_up();
+    let files = crate::files::give_up() & crate::calls::close_files();
     // The process may open no descriptor and start no process. Memory and time are limited already.
     for resource in [Resource::Nofile, Resource::Nproc] {
         let _ = setrlimit(resource, none);

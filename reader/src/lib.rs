@@ -8,7 +8,7 @@
 //!
 //! `airr-reader --try` shows what a confined process may not do, one line a try.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 #![warn(unreachable_pub)]
 
 #[cfg(target_os = "linux")]

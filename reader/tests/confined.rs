@@ -1,5 +1,9 @@
 //! The reader as it is started: what it may not do, and what it says to a person.
 
+#[path = "../../tables/tests/all/sample/mod.rs"]
+mod sample;
+
+use std::io::Read;
 use std::process::{Command, Output};
 
 /// Runs the reader without an environment.
@@ -34,8 +38,48 @@ fn a_confined_process_opens_nothing_and_starts_nothing() {
         .filter(|line| !line.contains(": refused ("))
         .collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
-    assert_eq!(tried.len(), 14, "{said}");
+    assert_eq!(tried.len(), 15, "{said}");
     assert_eq!(output.status.code(), Some(0), "{said}");
+}
+
+/// A file that the caller left open is closed before the table is read.
+///
+/// The answer to the table is longer than a pipe holds. So the reader waits for this test, and the
+/// system lists what it has open.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_of_the_caller_are_closed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let precious = folder.path().join("precious");
+    std::fs::write(&precious, "mine").expect("a file");
+    let table = folder.path().join("table.h5");
+    let mut whole = sample::rays(2, 7);
+    whole.provenance.design = "x".repeat(1 << 20);
+    tables::write(&whole, &table).expect("a table");
+    let mut child = Command::new("sh")
+        .args(["-c", "exec \"$@\" 7<>\"$0\""])
+        .arg(&precious)
+        .args([env!("CARGO_BIN_EXE_airr-reader"), tables::reader::VERSION])
+        .arg("table.h5")
+        .stdin(std::fs::File::open(&table).expect("the table"))
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .expect("sh starts");
+    let mut out = child.stdout.take().expect("a pipe");
+    let mut head = [0; 2];
+    out.read_exact(&mut head).expect("the start of the answer");
+    let open = std::fs::read_dir(format!("/proc/{}/fd", child.id())).expect("it waits");
+    let mut open: Vec<_> = open
+        .map(|entry| entry.expect("a descriptor").file_name())
+        .collect();
+    open.sort();
+    out.read_to_end(&mut Vec::new()).expect("the rest");
+    assert!(child.wait().expect("it ends").success());
+    assert_eq!(
+        (head[0], &open[..]),
+        (b'T', &["0", "1", "2"].map(Into::into)[..])
+    );
+    println!("{} descriptors", open.len());
 }
 
 #[test]
