@@ -432,7 +432,9 @@ impl Job<'_> {
     ) -> Result<Option<serde_json::Value>, Failure> {
         let progress = Progress::new(&self.bake, ranks.leads());
         let proved = self.bake.is_proved();
-        let saved = SavedFile::of(self.file);
+        // A table that is written through a link is saved where the link leads, as it is read.
+        let reserved = self.output.as_ref().map(Output::path);
+        let saved = SavedFile::of(reserved.unwrap_or(self.file));
         let mut unsaved = None;
         // A disk that is full now may have room at the end. So the bake continues if a save fails,
         // and the failure is printed once.
@@ -524,7 +526,7 @@ fn saved_before(saved: &SavedFile, resume: bool) -> Result<Option<Table>, Failur
     if resume {
         return Ok(saved.read()?);
     }
-    if saved.is_there() {
+    if saved.is_there()? {
         warn(&[format!(
             "{} holds an interrupted bake, which --resume would go on with; this bake starts from \
             the beginning",

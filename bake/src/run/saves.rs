@@ -74,9 +74,18 @@ impl SavedFile {
     }
 
     /// Returns whether an interrupted bake left the file.
-    pub(crate) fn is_there(&self) -> bool {
-        // A link is not followed: it would lead the save to another file.
-        std::fs::symlink_metadata(&self.path).is_ok_and(|found| found.is_file())
+    ///
+    /// # Errors
+    /// Returns [`OutputError::NotAFile`] if something else has the name. A link is not followed: it
+    /// would lead the save to another file.
+    pub(crate) fn is_there(&self) -> Result<bool, tables::Error> {
+        match std::fs::symlink_metadata(&self.path) {
+            Ok(found) if !found.is_file() => {
+                let file = self.path.clone();
+                Err(OutputError::NotAFile { file }.into())
+            }
+            found => Ok(found.is_ok()),
+        }
     }
 
     /// Reads the file; returns `None` if there is none.
@@ -84,7 +93,7 @@ impl SavedFile {
     /// # Errors
     /// Returns [`tables::Error`] if the file cannot be read.
     pub(crate) fn read(&self) -> Result<Option<Table>, tables::Error> {
-        self.is_there()
+        self.is_there()?
             .then(|| tables::read(&self.path))
             .transpose()
     }
@@ -94,17 +103,16 @@ impl SavedFile {
     /// # Errors
     /// Returns [`tables::Error`] if the file cannot be written; the older file then stays.
     pub(crate) fn write(&self, table: &Table) -> Result<(), tables::Error> {
-        let is_link = |found: std::fs::Metadata| found.is_symlink();
-        if std::fs::symlink_metadata(&self.path).is_ok_and(is_link) {
-            let file = self.path.clone();
-            return Err(OutputError::NotAFile { file }.into());
-        }
+        self.is_there()?;
         tables::commit(table, Output::reserve(&self.path)?)
     }
 
     /// Removes the file after the bake is done.
     pub(crate) fn remove(&self) {
-        // A file that cannot be removed does no harm, because the next bake replaces it.
-        let _ = std::fs::remove_file(&self.path);
+        // A file that cannot be removed does no harm, because the next bake replaces it. Something
+        // else that took the name meanwhile is not a save, and stays.
+        if self.is_there().is_ok() {
+            let _ = std::fs::remove_file(&self.path);
+        }
     }
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// Path of a folder, a pipe or a device.
-    #[error("{}: is not a regular file and cannot be replaced; name a file", file.display())]
+    #[error("{}: is not a regular file and cannot be replaced; name another file, or move it away", file.display())]
     NotAFile {
         /// Path that was asked for.
         file: PathBuf,
