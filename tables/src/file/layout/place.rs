@@ -165,7 +165,13 @@ impl<'a> Place<'a> {
     pub(crate) fn text(&self, name: &str) -> Result<String, Error> {
         let (attribute, kind) = self.attribute(name, 1, "a text")?;
         let texts = texts(&attribute, &kind).map_err(self.hdf5("attribute", name))?;
-        Ok(texts.into_iter().next().unwrap_or_default())
+        let bytes = texts.into_iter().next().unwrap_or_default();
+        String::from_utf8(bytes).map_err(|_| Error::AttributeType {
+            file: self.file.to_owned(),
+            attribute: self.named(name),
+            expected: "a text",
+            found: "not UTF-8".to_owned(),
+        })
     }
 
     /// Reads an attribute that is a number.
@@ -341,9 +347,12 @@ impl<'a> Place<'a> {
         match names
             .iter()
             .zip(fates)
-            .position(|(name, fate)| name != fate.name())
+            .position(|(name, fate)| name != fate.name().as_bytes())
         {
-            Some(i) => Err(self.differs(scale, i, fates[i].name().to_owned(), names[i].clone())),
+            Some(i) => {
+                let found = String::from_utf8_lossy(&names[i]).into_owned();
+                Err(self.differs(scale, i, fates[i].name().to_owned(), found))
+            }
             None => Ok(()),
         }
     }
@@ -395,9 +404,9 @@ fn first<T: H5Type + Default + Copy>(attribute: &Attribute) -> hdf5::Result<T> {
     Ok(value[0])
 }
 
-/// Reads texts of any type.
-fn texts(place: &hdf5::Container, kind: &TypeDescriptor) -> hdf5::Result<Vec<String>> {
-    fn of<T: H5Type + AsRef<str>>(place: &hdf5::Container) -> hdf5::Result<Vec<String>> {
+/// Reads texts of any type, as bytes: the types of the crate take any bytes for UTF-8.
+fn texts(place: &hdf5::Container, kind: &TypeDescriptor) -> hdf5::Result<Vec<Vec<u8>>> {
+    fn of<T: H5Type + AsRef<[u8]>>(place: &hdf5::Container) -> hdf5::Result<Vec<Vec<u8>>> {
         Ok(place
             .read_raw::<T>()?
             .iter()
