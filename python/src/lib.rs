@@ -26,7 +26,7 @@ pyo3::create_exception!(
 
 /// Makes the exception of a refusal.
 fn refusal(reason: impl std::fmt::Display) -> PyErr {
-    Refusal::new_err(tables::cli::plain(&reason.to_string()).into_owned())
+    Refusal::new_err(tables::cli::in_a_line(&reason.to_string()).into_owned())
 }
 
 /// Words of a command line.

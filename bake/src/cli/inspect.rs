@@ -7,7 +7,7 @@ use clap::Args;
 use serde_json::json;
 use std::fmt::{Display, Write};
 use std::path::PathBuf;
-use tables::cli::{print, reserve_plot};
+use tables::cli::{in_a_line, print, reserve_plot};
 use tables::deviation::Grid;
 use tables::{Exact, Outputs, Provenance, Symmetry, Table};
 
@@ -59,7 +59,7 @@ impl Lines {
     /// Appends one line.
     fn add(&mut self, name: &str, value: impl Display) {
         // Writing to a String cannot fail.
-        let _ = writeln!(self.0, "{name:20} {value}");
+        let _ = writeln!(self.0, "{name:20} {}", in_a_line(&value.to_string()));
     }
 }
 

@@ -18,6 +18,8 @@ pub use crate::cli::error::Error;
 pub use crate::cli::list::{LONGEST_LIST, ListError, list, number, whole};
 pub use crate::cli::manual::{Completions, Manual, version};
 pub use crate::cli::plot_format::PlotFormat;
-pub use crate::cli::terminal::{deliver, fail, note, plain, print, reserve, reserve_plot, warn};
+pub use crate::cli::terminal::{
+    deliver, fail, in_a_line, note, print, reserve, reserve_plot, warn,
+};
 pub use crate::cli::threads::{NoThreads, pool};
 pub use crate::cli::usage::{Refused, parsed, sentence};

@@ -9,26 +9,49 @@ use crate::cli::error::Error;
 use crate::cli::plot_format::PlotFormat;
 use crate::file::output::{Output, Outputs};
 
-/// Returns a text without the characters that steer a terminal or turn the direction of writing.
-///
-/// Names of files, designs and keys come from strangers' files. Line feeds and tabs stay.
-pub fn plain(text: &str) -> Cow<'_, str> {
-    let steers = |c: char| {
-        (c.is_control() && c != '\n' && c != '\t')
-            || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-    };
-    if text.contains(steers) {
-        Cow::Owned(text.replace(steers, "\u{fffd}"))
-    } else {
-        Cow::Borrowed(text)
+/// Returns whether a character steers a terminal, ends a line or turns the direction of writing.
+fn steers(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{2028}' | '\u{2029}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// Returns a text whose steering characters are written as escapes; those in `kept` stay.
+fn escaped<'a>(text: &'a str, kept: &[char]) -> Cow<'a, str> {
+    let steers = |c: char| steers(c) && !kept.contains(&c);
+    if !text.contains(steers) {
+        return Cow::Borrowed(text);
     }
+    let mut plain = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        match steers(c) {
+            true => plain.extend(c.escape_default()),
+            false => plain.push(c),
+        }
+    }
+    Cow::Owned(plain)
+}
+
+/// Returns a text of some lines with escapes such as `\u{1b}` for the characters that steer a
+/// terminal or turn the direction of writing. Line feeds and tabs stay.
+fn plain(text: &str) -> Cow<'_, str> {
+    escaped(text, &['\n', '\t'])
+}
+
+/// Returns a text as one line, with escapes such as `\n` for the characters that end it, steer a
+/// terminal or turn the direction of writing.
+///
+/// Names of files, designs and keys come from strangers' files. One that is printed within a text
+/// of some lines passes through here.
+pub fn in_a_line(text: &str) -> Cow<'_, str> {
+    escaped(text, &[])
 }
 
 /// Prints an error as a line `error: ...` to standard error.
 ///
 /// A standard error that cannot be written is ignored.
 pub fn fail(error: impl Display) {
-    let _ = writeln!(std::io::stderr(), "error: {}", plain(&error.to_string()));
+    let error = error.to_string();
+    let _ = writeln!(std::io::stderr(), "error: {}", in_a_line(&error));
 }
 
 /// Prints a result to standard output.
@@ -68,7 +91,7 @@ pub fn warn<W: Display>(warnings: impl IntoIterator<Item = W>) {
         let _ = writeln!(
             std::io::stderr(),
             "warning: {}",
-            plain(&warning.to_string())
+            in_a_line(&warning.to_string())
         );
     }
 }
@@ -101,4 +124,28 @@ pub fn reserve_plot<'a>(
     let Some(file) = file else { return Ok(None) };
     PlotFormat::of(file)?;
     Ok(Some((file, outputs.reserve(file)?)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_steers_a_terminal_is_escaped() {
+        let named = "a\u{1b}[2J\nerror: b\r\tc\u{9b}\u{202e}\u{2028}\u{e9}";
+        let cases = [
+            (
+                in_a_line(named),
+                "a\\u{1b}[2J\\nerror: b\\r\\tc\\u{9b}\\u{202e}\\u{2028}\u{e9}",
+            ),
+            (
+                plain(named),
+                "a\\u{1b}[2J\nerror: b\\r\tc\\u{9b}\\u{202e}\\u{2028}\u{e9}",
+            ),
+            (in_a_line("caf\u{e9}"), "caf\u{e9}"),
+        ];
+        for (found, expected) in cases {
+            assert_eq!(found, expected);
+        }
+    }
 }

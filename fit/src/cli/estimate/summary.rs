@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use tables::cli as terminal;
+
 use crate::cli::terms::described;
 use crate::estimate::Bound;
 use crate::estimate::trusted_in_words;
@@ -72,7 +74,7 @@ fn head(result: &ResultFile) -> String {
         described(result.kernel),
         result.kernel.name(),
         result.captures.len(),
-        result.table.design,
+        terminal::in_a_line(&result.table.design),
         result.loss.name(),
         result.stop,
         result.iterations,

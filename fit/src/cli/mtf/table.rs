@@ -1,6 +1,7 @@
 //! Rows of many photographs: CSV, and JSON.
 
 use serde::Serialize;
+use tables::cli as terminal;
 
 use crate::cli::mtf::report::{Frequency, Report, Request};
 
@@ -118,14 +119,15 @@ fn row(entry: &Entry, request: &Request) -> Vec<String> {
     fields
 }
 
-/// Joins fields to a line. A field with a comma, a quotation mark or a line break is quoted, and
-/// its quotation marks are doubled.
+/// Joins fields to a line. A field with a comma or a quotation mark is quoted, and its quotation
+/// marks are doubled. A line break, in the name of a file, is written as an escape.
 fn line(fields: &[String]) -> String {
     let quoted = |field: &String| {
-        if field.contains([',', '"', '\n', '\r']) {
+        let field = terminal::in_a_line(field);
+        if field.contains([',', '"']) {
             format!("\"{}\"", field.replace('"', "\"\""))
         } else {
-            field.clone()
+            field.into_owned()
         }
     };
     let fields: Vec<String> = fields.iter().map(quoted).collect();
@@ -136,10 +138,10 @@ fn line(fields: &[String]) -> String {
 mod tests {
     use super::*;
 
-    /// The examples of RFC 4180, section 2, rules 5 to 7.
+    /// The examples of RFC 4180, section 2, rules 5 to 7, but for line breaks.
     #[test]
     fn fields_are_quoted_where_they_must_be() {
         let fields = ["aaa", "b,bb", "c\"c", "d\nd", "", " e "].map(str::to_owned);
-        assert_eq!(line(&fields), "aaa,\"b,bb\",\"c\"\"c\",\"d\nd\",, e \n");
+        assert_eq!(line(&fields), "aaa,\"b,bb\",\"c\"\"c\",d\\nd,, e \n");
     }
 }
