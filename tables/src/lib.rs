@@ -39,7 +39,7 @@ mod table;
 
 // The public interface. A table and its parts:
 pub use table::axes::Axes;
-pub use table::check::check;
+pub use table::check::{MOST_DIRECTIONS, check};
 pub use table::counts::l1;
 pub use table::deviation::{self, Deviations};
 pub use table::exact::{Exact, Jones, Path};

@@ -1,9 +1,9 @@
 //! Reasons why the options of a bake make no plan.
 
 use crate::optics::MaterialError;
-use crate::plan::limits::{DIRECTIONS_LIMIT, MOST_BYTES};
-use tables::MOST_SHARDS;
+use crate::plan::limits::MOST_BYTES;
 use tables::cli::LONGEST_LIST;
+use tables::{MOST_DIRECTIONS, MOST_SHARDS};
 use thiserror::Error;
 
 /// Reason why a request makes no plan.
@@ -142,7 +142,7 @@ pub enum PlanError {
     /// More directions than a table may hold.
     #[error(
         "--incidence and --azimuth make {directions} directions; a table holds at most \
-        {DIRECTIONS_LIMIT}: give fewer angles"
+        {MOST_DIRECTIONS}: give fewer angles"
     )]
     Directions {
         /// Number of directions.

@@ -10,6 +10,3 @@ pub(crate) const BINS_LIMIT: usize = 4096;
 
 /// Largest array of a table, bytes. A table with a larger one could not be read again.
 pub(crate) const MOST_BYTES: u64 = 1 << 31;
-
-/// Largest number of directions of a table.
-pub(crate) const DIRECTIONS_LIMIT: usize = 100_000;

@@ -7,14 +7,14 @@ use crate::plan::effort;
 use crate::plan::effort::{Effort, Shard};
 use crate::plan::error::PlanError;
 use crate::plan::glass;
-use crate::plan::limits::{BINS_LIMIT, DIRECTIONS_LIMIT, MOST_BYTES};
+use crate::plan::limits::{BINS_LIMIT, MOST_BYTES};
 use crate::plan::losses;
 use crate::plan::number::{count, positive};
 use crate::plan::request::Request;
 use crate::plan::scene::no_planes;
 use std::num::NonZeroUsize;
 use tables::options::{Back, Element, Front, Method, Sampler, SceneOptions};
-use tables::{Axes, Symmetry};
+use tables::{Axes, MOST_DIRECTIONS, Symmetry};
 
 /// Checked plan of a bake, in which nothing is out of range.
 #[derive(Debug, Clone, PartialEq)]
@@ -255,7 +255,7 @@ fn asked(request: &Request) -> Result<(Axes, Option<f64>), PlanError> {
         "above -360 and at most 360 degrees",
     )?;
     let directions = incidence_deg.len() * azimuth_deg.len();
-    if directions > DIRECTIONS_LIMIT {
+    if directions > MOST_DIRECTIONS {
         return Err(PlanError::Directions { directions });
     }
     // Rays are counted in each of their randomisations. The exact method has the histogram alone.

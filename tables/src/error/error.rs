@@ -320,6 +320,31 @@ pub enum Error {
     /// Direction outside of the table.
     #[error(transparent)]
     NoDirection(#[from] NoDirection),
+    /// Polygons of so many corners that their interpolation would take without end.
+    #[error(
+        "incidence {incidence_deg} deg lies between directions of the table that have {corners} \
+        corners of polygons, above the limit of {most} for interpolation; name a direction of the \
+        table, or bake curved faces by rays (--method rays)"
+    )]
+    ManyCorners {
+        /// Incidence, degrees.
+        incidence_deg: f64,
+        /// Number of corners of a direction around.
+        corners: usize,
+        /// Greatest number that is interpolated.
+        most: usize,
+    },
+    /// Light in so many bins and deviations that moving it would take without end.
+    #[error(
+        "the table spreads the light at incidence {incidence_deg} deg over too many bins \
+        ({bins} x {bins}) and exit directions; bake it with fewer --bins"
+    )]
+    Spread {
+        /// Incidence, degrees.
+        incidence_deg: f64,
+        /// Number of bins along an axis.
+        bins: usize,
+    },
     /// Light that deviates farther than any table means, at this distance and corner size.
     #[error(
         "at this distance and corner size light would be off by {edges:.1e} edge lengths, above \

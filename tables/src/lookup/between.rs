@@ -17,6 +17,8 @@
 //! Cubes that lie elsewhere, as the images of symmetry and of a lattice do, then become the same
 //! cube. The result is placed where the steepest direction has it.
 
+use std::collections::HashSet;
+
 use crate::table::exact::Path;
 use crate::table::polygon::{self, area};
 
@@ -310,9 +312,11 @@ impl Shape {
 /// Picks pairs from `costs`, the cheapest first, with each row and each column at most once.
 fn assigned(mut costs: Vec<(f64, usize, usize)>) -> Vec<(usize, usize)> {
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut rows, mut columns) = (HashSet::new(), HashSet::new());
     let mut pairs: Vec<(usize, usize)> = Vec::new();
     for (_, row, column) in costs {
-        if pairs.iter().all(|&(r, c)| r != row && c != column) {
+        if !rows.contains(&row) && columns.insert(column) {
+            rows.insert(row);
             pairs.push((row, column));
         }
     }

@@ -23,6 +23,13 @@ use crate::table::table::Table;
 /// Greatest difference of two angles that count as equal, degrees.
 pub(crate) const SAME_DEG: f64 = 1e-9;
 
+/// Greatest number of corners of a direction whose polygons are interpolated.
+///
+/// The directions of a cube with worn edges, errors and a front that traps light have a hundred.
+/// The work grows with the square. Thousands come from a curved face that planes stand for, and
+/// hardly any of its paths has a counterpart in another direction.
+const MOST_CORNERS: usize = 2048;
+
 /// Behaviour of the sheet for rays of one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Direction {
@@ -104,7 +111,8 @@ impl Table {
     /// # Errors
     /// Returns [`Error::NoDirection`] if the direction lies outside of the angles of the table (the
     /// error names the nearest direction that it holds), if `azimuth_deg` is `None` and the table
-    /// is not a mean, or if an angle is not finite.
+    /// is not a mean, or if an angle is not finite. Returns [`Error::ManyCorners`] if there are too
+    /// many polygons to interpolate.
     ///
     /// ```
     /// # use ndarray::{Array4, Array5};
@@ -159,7 +167,17 @@ impl Table {
             .into());
         }
         match self.cell(incidence_deg, asked) {
-            Some(cell) => Ok(cell.direction(incidence_deg, asked)),
+            Some(cell) => {
+                let corners = cell.corners_between();
+                if corners > MOST_CORNERS {
+                    return Err(Error::ManyCorners {
+                        incidence_deg,
+                        corners,
+                        most: MOST_CORNERS,
+                    });
+                }
+                Ok(cell.direction(incidence_deg, asked))
+            }
             None => Err(self.outside(incidence_deg, asked).into()),
         }
     }
@@ -356,6 +374,31 @@ impl Cell<'_> {
         all.filter(|&(_, _, share)| share > 0.0)
     }
 
+    /// Returns the greatest number of corners of the directions from which paths are interpolated;
+    /// 0 if none are.
+    fn corners_between(&self) -> usize {
+        let axes = &self.table.axes;
+        let own = self.along.2 == 0.0 && self.across.2 == 0.0;
+        let Some(exact) = self
+            .table
+            .exact
+            .as_ref()
+            .filter(|_| !own && !axes.is_mean())
+        else {
+            return 0;
+        };
+        let azimuths = self.azimuths_around();
+        let held = self.incidences_around().flat_map(|i| {
+            let place = |&k: &usize| i * axes.azimuth_deg.len() + self.images[k].place;
+            azimuths.iter().map(place).collect::<Vec<_>>()
+        });
+        let corners = |held: usize| -> usize {
+            let paths = exact.paths[held].iter();
+            paths.map(|path| path.polygon.len()).sum()
+        };
+        held.map(corners).max().unwrap_or_default()
+    }
+
     /// Returns the paths of a direction of the table, in the frame of image `k`.
     fn paths(&self, exact: &Exact, i: usize, k: usize) -> Option<Vec<Path>> {
         let image = &self.images[k];
@@ -386,8 +429,7 @@ impl Cell<'_> {
     /// Returns the corners of the cell and the directions next to them.
     fn nodes(&self, exact: &Exact) -> Option<Vec<Node>> {
         let incidences = &self.table.axes.incidence_deg;
-        let last = (self.along.1 + 1).min(incidences.len() - 1);
-        let around = self.along.0.saturating_sub(1)..=last;
+        let around = self.incidences_around();
         let azimuths = self.azimuths_around();
         let mut nodes = Vec::new();
         for (i, &incidence_deg) in around.clone().zip(&incidences[around]) {
@@ -403,6 +445,12 @@ impl Cell<'_> {
             }
         }
         Some(nodes)
+    }
+
+    /// Returns the incidences at the cell's corners, and those next to them.
+    fn incidences_around(&self) -> std::ops::RangeInclusive<usize> {
+        let last = self.table.axes.incidence_deg.len() - 1;
+        self.along.0.saturating_sub(1)..=(self.along.1 + 1).min(last)
     }
 
     /// Returns the images at the cell's corners, and the images next to them unless a wide gap lies

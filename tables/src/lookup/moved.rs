@@ -10,6 +10,12 @@ use crate::table::exact::Path;
 /// Most bins along each axis, 32 MB in all; bins are pooled beyond it.
 const MOST_BINS: usize = 2048;
 
+/// Greatest number of moves of a bin by a deviation.
+///
+/// Lobes in 128 x 128 bins, pooled to 16 x 16 cells of 127 x 127 deviations, have up to 2.6e8. The
+/// moves that are allowed take some ten seconds.
+const MOST_MOVES: u64 = 1 << 32;
+
 /// Number of empty bins at each end, because light is shared out to the neighbours of its bin.
 const MARGIN: usize = 2;
 
@@ -31,13 +37,20 @@ impl Direction {
     /// shift.
     ///
     /// # Errors
-    /// Returns [`Error::Astray`] if light would be off by more than a million edge lengths.
+    /// Returns [`Error::Astray`] if light would be off by more than a million edge lengths, and
+    /// [`Error::Spread`] if there are too many bins and deviations.
     pub fn moved(self, per_tangent: [f64; 2]) -> Result<Direction, Error> {
         let edges = self.farthest_move(per_tangent);
         if edges > FARTHEST {
             return Err(Error::Astray { edges });
         }
         let (probability, range) = match &self.exits {
+            Some(exits) if moves(&self.probability, exits) > MOST_MOVES => {
+                return Err(Error::Spread {
+                    incidence_deg: self.incidence_deg,
+                    bins: self.probability.ncols(),
+                });
+            }
             Some(exits) => bins(&self, exits, per_tangent, edges),
             None => (self.probability, self.range),
         };
@@ -66,8 +79,7 @@ impl Direction {
     /// outside.
     ///
     /// # Errors
-    /// Returns [`Error::Astray`] if distance and corner size put light off by more than a million
-    /// edge lengths.
+    /// Returns the errors of [`Direction::moved`].
     pub fn seen_from(self, r_mm: f64, c_mm: f64, cosine: f64) -> Result<Direction, Error> {
         self.moved([r_mm / (c_mm * cosine), r_mm / c_mm])
     }
@@ -89,6 +101,12 @@ impl Direction {
         };
         paths.chain(exits).map(along).fold(0.0, f64::max)
     }
+}
+
+/// Returns the number of bins that are moved, each by all deviations of its cell.
+fn moves(bins: &Array2<f64>, exits: &Exits) -> u64 {
+    let pool = (bins.ncols() / exits.grid.cells) as u64;
+    pool * pool * exits.probability.len() as u64
 }
 
 /// Returns the histogram of shifts with the deviations in it, and its range.

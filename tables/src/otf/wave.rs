@@ -30,6 +30,14 @@ use crate::table::exact::Path;
 /// It is far above rounding (1e-12) and far below any dihedral error that matters (1e-6 rad).
 const SAME_MAP: f64 = 1e-9;
 
+/// Greatest number of corners of a direction: ten times those of cubes behind a front that traps
+/// light.
+const MOST_CORNERS: usize = 1024;
+
+/// Greatest number of pairs of chords in all strips. A hundred corners have some ten chords in a
+/// strip, 10^4 pairs; the pairs that are allowed take some 10 ms at each frequency.
+const MOST_PAIRS: usize = 1 << 18;
+
 /// Smallest distance of two corners that bound a strip, edge lengths.
 const SAME_CORNER: f64 = 1e-12;
 
@@ -55,6 +63,18 @@ pub enum NoWaves {
     LossesBetween {
         /// Incidence, degrees.
         incidence_deg: f64,
+    },
+    /// Apertures of so many pieces that their waves would take without end.
+    #[error(
+        "the wave kernel takes apertures of at most {MOST_CORNERS} corners, cut into few pieces, \
+        and the table has {corners} at incidence {incidence_deg} deg; bake the cell with fewer \
+        facets, or take the kernel angular"
+    )]
+    ManyPieces {
+        /// Incidence, degrees.
+        incidence_deg: f64,
+        /// Number of corners of all polygons.
+        corners: usize,
     },
     /// Cubes without exact right angles.
     #[error(
@@ -121,6 +141,14 @@ impl WaveLine {
         if direction.interpolated && paths.iter().any(|path| path.weight != paths[0].weight) {
             return Err(NoWaves::LossesBetween { incidence_deg });
         }
+        let corners = paths.iter().map(|path| path.polygon.len()).sum();
+        let many = NoWaves::ManyPieces {
+            incidence_deg,
+            corners,
+        };
+        if corners > MOST_CORNERS {
+            return Err(many);
+        }
         let mut cubes: Vec<([f64; 2], Vec<Chained>)> = Vec::new();
         for path in paths {
             let [[uu, uv], [vu, vv]] = path.matrix;
@@ -136,6 +164,10 @@ impl WaveLine {
             }
         }
         let cubes: Vec<Vec<Strip>> = cubes.iter().map(|(_, pieces)| strips(pieces)).collect();
+        let chords = cubes.iter().flatten().map(|strip| strip.chords.len());
+        if chords.map(|count| count * count).sum::<usize>() > MOST_PAIRS {
+            return Err(many);
+        }
         let total: f64 = spectrum.iter().map(|(_, weight)| weight).sum();
         let lines = spectrum.iter();
         let mut line = WaveLine {

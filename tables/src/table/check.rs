@@ -9,7 +9,7 @@ use ndarray::{Array2, Array4, Array5, Axis, s};
 
 use crate::table::axes::Axes;
 use crate::table::deviation::{Deviations, Entry, Grid};
-use crate::table::exact::Exact;
+use crate::table::exact::{Exact, Path};
 use crate::table::fate::Fate;
 use crate::table::flat::FlatPaths;
 use crate::table::invalid::Invalid;
@@ -24,6 +24,26 @@ pub(crate) const SUM: f64 = 1e-9;
 ///
 /// A sheet has some, and the range of a histogram ends there too.
 const FARTHEST: f64 = 1e6;
+
+/// Greatest number of directions of a table: three times all whole degrees of the hemisphere, 90
+/// incidences by 360 azimuths.
+pub const MOST_DIRECTIONS: usize = 100_000;
+
+/// Greatest number of paths of a direction.
+///
+/// Cubes with worn edges, errors and a front that traps light have 32. A curved face that planes
+/// stand for has 14,000 with 1,536 facets, and 19,000 with 2,048, the most that the exact method
+/// takes.
+const MOST_PATHS: usize = 1 << 15;
+
+/// Greatest number of corners of a polygon. Those of all designs have up to 9.
+const MOST_CORNERS: usize = 64;
+
+/// Greatest number of polygons of a direction whose shifts cover the whole histogram, together.
+///
+/// Whoever sums them up over the bins spends a pass over all bins for each. The tens of polygons of
+/// a sheet cover some per cent each, the thousands of a curved face far less.
+const MOST_COVERS: usize = 1024;
 
 /// Greatest number of rays of a direction: f64 does not hold greater numbers exactly.
 pub(crate) const MOST_RAYS: u64 = 1 << 53;
@@ -67,11 +87,26 @@ pub(crate) fn axes(axes: &Axes) -> Result<(), Invalid> {
             |x| x > -360.0 && x <= 360.0,
         )?;
     }
+    let (incidences, azimuths) = axes.shape();
+    let directions = incidences.saturating_mul(azimuths);
+    most(MOST_DIRECTIONS, directions, || "the directions".into())?;
     if axes.bins == 0 {
         return Err(Invalid::EmptyAxis { axis: "shift_u" });
     }
     axis("shift_range", &[axes.range], "0 < range < 1e6", |x| {
         x > 0.0 && x < 1e6
+    })
+}
+
+/// Checks that there are at most `limit` of something, which `what` names.
+fn most(limit: usize, found: usize, what: impl Fn() -> String) -> Result<(), Invalid> {
+    if found <= limit {
+        return Ok(());
+    }
+    Err(Invalid::Many {
+        what: what(),
+        found,
+        most: limit,
     })
 }
 
@@ -413,6 +448,21 @@ fn deviations(table: &Table, found: &Deviations) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// Returns the part of a histogram in which the shifts of a path lie, by the rectangle around them.
+fn cover(path: &Path, range: f64) -> f64 {
+    let shifts: Vec<[f64; 2]> = path
+        .polygon
+        .iter()
+        .map(|&corner| path.shift(corner))
+        .collect();
+    let side = |axis: usize| {
+        let along = shifts.iter().map(|shift| shift[axis].clamp(-range, range));
+        let (low, high) = along.fold((range, -range), |(low, high), x| (low.min(x), high.max(x)));
+        (high - low).max(0.0) / (2.0 * range)
+    };
+    side(0) * side(1)
+}
+
 /// Checks the polygons of an exact table: numbers, corners, areas, and their sum against eta.
 fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
     let (incidences, azimuths) = table.axes.shape();
@@ -431,6 +481,17 @@ fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
         "above 0 to 1e12",
         |x| x > 0.0 && x <= FARTHEST * FARTHEST,
     )?;
+    for (direction, paths) in exact.paths.iter().enumerate() {
+        let number = || format!("the paths of direction {direction}");
+        most(MOST_PATHS, paths.len(), number)?;
+        for (index, path) in paths.iter().enumerate() {
+            let corners = || format!("the corners of path {index} of direction {direction}");
+            most(MOST_CORNERS, path.polygon.len(), corners)?;
+        }
+        let covers: f64 = paths.iter().map(|path| cover(path, table.axes.range)).sum();
+        let all_over = || format!("the polygons over the whole histogram of direction {direction}");
+        most(MOST_COVERS, covers as usize, all_over)?;
+    }
     let flat = FlatPaths::new(exact);
     // Sums of products of such numbers are finite, and no light goes farther than [`FARTHEST`].
     let bounded = |x: f64| x.abs() <= FARTHEST;

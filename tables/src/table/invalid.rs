@@ -9,6 +9,16 @@ pub enum Invalid {
         /// Name of the axis.
         axis: &'static str,
     },
+    /// More of something than any table holds.
+    #[error("{what} are {found}, above the limit of {most}")]
+    Many {
+        /// What there are too many of, with its place, in words.
+        what: String,
+        /// Number of them.
+        found: usize,
+        /// Greatest number that is read.
+        most: usize,
+    },
     /// A value of an axis out of its range.
     #[error("{axis} is {value} at index {index}, outside of {allowed}")]
     AxisValue {
