@@ -30,8 +30,8 @@ impl Bounds {
     };
     /// 0 or a number above 0.
     pub(crate) const NOT_NEGATIVE: Bounds = Bounds {
-        words: "0 or greater, at most 1e9",
-        holds: |x| (0.0..=MOST).contains(&x),
+        words: "0, or from 1e-9 to 1e9",
+        holds: |x| x == 0.0 || (LEAST..=MOST).contains(&x),
     };
     /// A share of a whole, above 0 and at most 1.
     pub(crate) const SHARE: Bounds = Bounds {

@@ -19,6 +19,8 @@ use crate::names::Spectrum;
 pub(crate) struct Document {
     file: PathBuf,
     text: String,
+    /// Offsets of the line feeds, ascending.
+    feeds: Vec<usize>,
 }
 
 /// Size of the longest TOML file that is read, bytes: ten times that of a thousand photographs.
@@ -35,16 +37,16 @@ impl Document {
             file: file.to_owned(),
             source,
         })?;
-        Ok(Document {
-            file: file.to_owned(),
-            text,
-        })
+        Ok(Document::new(file, text))
     }
 
     /// Makes the document of a text in memory; `file` is its name for messages.
     pub(crate) fn new(file: &Path, text: String) -> Document {
+        let bytes = text.bytes().enumerate();
+        let feeds = bytes.filter(|&(_, byte)| byte == b'\n');
         Document {
             file: file.to_owned(),
+            feeds: feeds.map(|(offset, _)| offset).collect(),
             text,
         }
     }
@@ -62,10 +64,9 @@ impl Document {
     }
 
     fn place(&self, offset: usize) -> FileLine {
-        let before = &self.text.as_bytes()[..offset.min(self.text.len())];
         FileLine {
             file: self.file.clone(),
-            line: 1 + before.iter().filter(|&&byte| byte == b'\n').count(),
+            line: 1 + self.feeds.partition_point(|&feed| feed < offset),
         }
     }
 }

@@ -51,6 +51,12 @@ pub enum SpectrumError {
         /// The weight that was found.
         weight: f64,
     },
+    /// More wavelengths than any source is measured at.
+    #[error("has {lines} wavelengths, above the limit of {MOST_LINES}; merge neighbouring ones")]
+    Many {
+        /// Number of wavelengths.
+        lines: usize,
+    },
     /// Wavelengths that no single source and camera span.
     #[error(
         "mixes {least_nm} nm and {most_nm} nm, but the longest wavelength may be at most 5 times \
@@ -63,6 +69,10 @@ pub enum SpectrumError {
         most_nm: f64,
     },
 }
+
+/// Greatest number of wavelengths of a spectrum: those of silicon in steps of a nanometre, and some.
+/// The time of every verb is proportional to it.
+const MOST_LINES: usize = 1000;
 
 /// Greatest ratio of two wavelengths of a spectrum.
 ///
@@ -87,7 +97,8 @@ impl Spectrum {
     /// # Errors
     /// Returns a `SpectrumError` about the first wrong entry: one that is not `wavelength` or
     /// `wavelength:weight`, a wavelength outside 100 to 20000 nm, or a weight that is not finite
-    /// and positive. Returns `SpectrumError::Wide` if one wavelength is more than 5 times another.
+    /// and positive. Returns `SpectrumError::Wide` if one wavelength is more than 5 times another,
+    /// and `SpectrumError::Many` for more than 1000.
     pub fn parse(text: &str) -> Result<Spectrum, SpectrumError> {
         let read = |entry: &str| {
             let number = |word: &str| {
@@ -102,6 +113,10 @@ impl Spectrum {
                 None => line(number(entry)?, 1.0),
             }
         };
+        let lines = text.split(',').count();
+        if lines > MOST_LINES {
+            return Err(SpectrumError::Many { lines });
+        }
         let lines: Vec<SpectralLine> = text.split(',').map(read).collect::<Result<_, _>>()?;
         let lengths = || lines.iter().map(|line| line.wavelength_nm);
         let (least_nm, most_nm) = (
@@ -209,5 +224,10 @@ mod tests {
         for text in bad {
             assert!(Spectrum::parse(text).is_err(), "{text}");
         }
+        // 1000 wavelengths, and one more.
+        let lines = |count| vec!["550"; count].join(",");
+        assert!(Spectrum::parse(&lines(1000)).is_ok());
+        let many = Spectrum::parse(&lines(1001));
+        assert_eq!(many, Err(SpectrumError::Many { lines: 1001 }));
     }
 }

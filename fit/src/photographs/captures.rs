@@ -8,6 +8,7 @@
 pub(crate) mod error;
 pub(crate) mod expected;
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use crate::document::Bounds;
@@ -323,11 +324,13 @@ fn of_document(
     };
     let known: Vec<_> = SHOT.iter().chain(&CAPTURE).copied().collect();
     let mut captures: Vec<Capture> = Vec::new();
+    let mut source = None;
     for keys in root.sections("capture", &known)? {
         let given = keys.number("exposure", Bounds::POSITIVE)?;
         let mut capture = shared.capture(&keys, given.unwrap_or(1.0))?;
         if let (None, Some(reference)) = (given, &reference) {
-            let (exposure, warning) = exposure_by_camera(&keys, reference, &capture.shot)?;
+            let (exposure, warning) =
+                exposure_by_camera(&keys, reference, &mut source, &capture.shot)?;
             capture.shot.exposure = exposure;
             warnings.push(warning);
         }
@@ -338,7 +341,8 @@ fn of_document(
             file: file.to_owned(),
         });
     }
-    for (index, capture) in captures.iter().enumerate() {
+    let mut images = HashSet::new();
+    for capture in &captures {
         if let Some(path) = capture
             .path_mm
             .filter(|&path| path < capture.floating_distance_mm)
@@ -349,10 +353,7 @@ fn of_document(
                 capture.shot.place, capture.floating_distance_mm
             ));
         }
-        if captures[..index]
-            .iter()
-            .any(|other| other.shot.image == capture.shot.image)
-        {
+        if !images.insert(&capture.shot.image) {
             warnings.push(format!(
                 "{}: image {} is already used by an earlier capture, so it counts twice; remove \
                 one of the two.",
@@ -374,10 +375,11 @@ fn of_document(
 }
 
 /// Returns the exposure of a capture relative to its reference, from the settings of the camera,
-/// and a warning about its accuracy.
+/// and a warning about its accuracy. `source` keeps the settings of the reference.
 fn exposure_by_camera(
     keys: &Section<'_>,
     reference: &Shot,
+    source: &mut Option<Settings>,
     shot: &Shot,
 ) -> Result<(f64, String), Error> {
     let settings = |image: &Path| {
@@ -387,7 +389,11 @@ fn exposure_by_camera(
             lack,
         })
     };
-    let (own, source) = (settings(&shot.image)?, settings(&reference.image)?);
+    let own = settings(&shot.image)?;
+    let source = match source {
+        Some(source) => source,
+        None => source.insert(settings(&reference.image)?),
+    };
     let exposure = reference.exposure * own.exposure() / source.exposure();
     let warning = format!(
         "{}: `exposure` is missing; {exposure:.5} was computed from the camera's Exif data ({own}; \
