@@ -3,6 +3,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
+use sha2::{Digest, Sha256};
 
 use crate::explore::gaps::Gaps;
 use crate::explore::grid::{Error, Grid, UNIT};
@@ -169,7 +170,12 @@ pub(crate) fn page(explorer: &Explorer<'_>, step: &(dyn Fn(usize) + Sync)) -> Re
         .expect("all keys are strings and all values are numbers or text")
         .replace('<', "\\u003c");
     let scripts = SCRIPTS.concat();
+    // A browser runs the script and takes the style sheet that have these hashes, and no others.
+    // Both begin with the line feed behind their tags.
+    let hash = |text: &str| STANDARD.encode(Sha256::digest(format!("\n{text}")));
     let html = [
+        ("{{style hash}}", hash(STYLE).as_str()),
+        ("{{script hash}}", &hash(&scripts)),
         ("{{style}}", STYLE),
         ("{{scripts}}", &scripts),
         ("{{data}}", &json),

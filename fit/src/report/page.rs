@@ -1,7 +1,7 @@
 //! HTML page of `--report`: the page that a person opens first.
 //!
-//! The page is one file that needs nothing else, neither network nor script. It is well-formed XML
-//! too. The same estimate gives the same bytes, because the page holds no times and no durations.
+//! The page is one file that needs nothing else, neither network nor script, and its policy allows
+//! a browser none of them. It is well-formed XML too. The same estimate gives the same bytes, because the page holds no times and no durations.
 //!
 //! A first screen shows verdict, numbers, one mid-air image and the curves. All else folds out, on
 //! paper by itself.
@@ -21,6 +21,10 @@ mod provenance;
 pub(crate) mod shown;
 mod terms;
 mod trust;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use sha2::{Digest, Sha256};
 
 use crate::report::page::markup::{count, escape, significant};
 use crate::report::page::shown::Page;
@@ -71,12 +75,15 @@ impl Page<'_> {
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
+             style-src 'sha256-{}'; img-src data:; base-uri 'none'; form-action 'none'\"/>\n\
              <meta name=\"generator\" content=\"fit {}\"/>\n\
              <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
              <header>\n<p class=\"kicker\">Retroreflective sheet</p>\n<h1>{}</h1>\n<p \
              class=\"from\">{title}</p>\n{}</header>\n\
              <nav aria-label=\"Contents\">\n{contents}</nav>\n<main>\n{body}</main>\n</body>\n\
              </html>\n",
+            STANDARD.encode(Sha256::digest(format!("\n{STYLE}"))),
             env!("CARGO_PKG_VERSION"),
             escape(&self.result.table.design),
             first::screen(self),

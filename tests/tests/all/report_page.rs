@@ -6,6 +6,7 @@ use std::path::Path;
 use base64::Engine;
 use roxmltree::{Document, Node, ParsingOptions};
 use serde_json::Value;
+use sha2::{Digest, Sha256};
 use tests::browser::Browser;
 use tests::estimate::json;
 use tests::files::{argument, bake_table};
@@ -76,8 +77,22 @@ fn text(node: Node) -> String {
     texts.filter_map(|n| n.text()).collect()
 }
 
-/// Checks that the page makes a browser fetch nothing and run nothing.
+/// Checks that the page makes a browser fetch nothing and run nothing, and that its policy allows
+/// nothing but its own style sheet and the pictures in it.
 fn asks_for_nothing(page: &str, tree: &Document) {
+    let policy = all(tree, "meta")
+        .find(|meta| meta.attribute("http-equiv") == Some("Content-Security-Policy"))
+        .and_then(|meta| meta.attribute("content"))
+        .expect("a policy");
+    let style = all(tree, "style").next().map(text).expect("a style sheet");
+    let hash = base64::engine::general_purpose::STANDARD.encode(Sha256::digest(style));
+    let expected = format!(
+        "default-src 'none'; style-src 'sha256-{hash}'; img-src data:; base-uri 'none'; \
+        form-action 'none'"
+    );
+    assert_eq!(policy, expected);
+    let (before, after) = page.split_once("<meta http-equiv=").unwrap();
+    let page = [before, after.split_once("/>").unwrap().1].concat();
     for word in ["http", "//", "url(", "@import", "javascript:"] {
         // Base64 may hold slashes, so the text of pictures is left out.
         let outside = page
@@ -488,8 +503,16 @@ fn a_browser_shows_the_page_at_every_width_and_on_paper() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let (page, _) = report(here, &[]);
-    let probe = format!("<script>{}</script></body>", include_str!("probe.js"));
-    fs::write(here.join("probe.html"), page.replace("</body>", &probe)).unwrap();
+    let probe = include_str!("probe.js");
+    let hash = base64::engine::general_purpose::STANDARD.encode(Sha256::digest(probe));
+    let probed = page
+        .replacen(
+            "style-src",
+            &format!("script-src 'sha256-{hash}'; style-src"),
+            1,
+        )
+        .replace("</body>", &format!("<script>{probe}</script></body>"));
+    fs::write(here.join("probe.html"), probed).unwrap();
     let mut seen = 0;
     for (width, dark) in WINDOWS {
         let found = browser.probe(&here.join("probe.html"), width, dark);

@@ -265,14 +265,14 @@ impl Panel {
 
     /// Draws an ellipse about 0, the image of the unit circle under the linear map `(a, 0; b, c)`.
     ///
-    /// Both axes must be linear.
-    pub(crate) fn ellipse(&self, style: &str, [a, b, c]: [f64; 3]) -> String {
+    /// Both axes must be linear. `colour` is that of the line.
+    pub(crate) fn ellipse(&self, colour: &str, [a, b, c]: [f64; 3]) -> String {
         let [x, y] = self.at(0.0, 0.0);
         let [_, _, width, height] = self.frame;
         let right = width / (self.x.high - self.x.low);
         let up = height / (self.y.high - self.y.low);
         format!(
-            "<circle r=\"1\" class=\"ellipse\" style=\"{style}\" transform=\"matrix({:.3} {:.3} 0 \
+            "<circle r=\"1\" class=\"ellipse\" stroke=\"{colour}\" transform=\"matrix({:.3} {:.3} 0 \
             {:.3} {x:.1} {y:.1})\"/>",
             a * right,
             -b * up,

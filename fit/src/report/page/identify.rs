@@ -286,11 +286,10 @@ fn ellipses(pairs: &[Pair]) -> String {
         let r = pair.correlation.clamp(-1.0, 1.0);
         let half = scale * pair.error_spread;
         let map = [scale * pair.error_c, r * half, (1.0 - r * r).sqrt() * half];
-        let style = format!("stroke:{}", colour(i));
-        body.push_str(&panel.ellipse(&style, map));
+        body.push_str(&panel.ellipse(&colour(i), map));
         if let Some(truth) = pair.truth {
             let dot = panel.dots("planted-here", &[truth]);
-            body.push_str(&format!("<g style=\"{style}\">{dot}</g>"));
+            body.push_str(&format!("<g stroke=\"{}\">{dot}</g>", colour(i)));
         }
     }
     body.push_str(&panel.level("origin", 0.0));
@@ -300,7 +299,8 @@ fn ellipses(pairs: &[Pair]) -> String {
         .enumerate()
         .filter_map(|(i, p)| {
             Some(format!(
-                "<span class=\"key\"><i style=\"background:{}\"></i>{}\u{b0}</span> ",
+                "<span class=\"key\"><svg viewBox=\"-1 -1 2 2\" role=\"img\" aria-label=\"colour of \
+                its ellipse\"><circle r=\"0.5\" stroke=\"{}\"/></svg>{}\u{b0}</span> ",
                 colour(i),
                 p.incidence_deg?
             ))
