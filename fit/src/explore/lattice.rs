@@ -195,14 +195,24 @@ pub(crate) fn highest(
         return Ok(HIGHEST * 0.02 / lost.min(0.02));
     }
     let shape = result.lobe.unwrap_or(LobeShape::Radial);
-    let most = span.factor[1];
     let mut highest: f64 = 0.0;
     for k in 0..incidence.count {
-        let blur = sheet.blur(incidence.place(k))?;
-        let a = most * blur.spread / result.kernel.distance_scale(span.distance_mm[0]);
-        highest = highest.max(end_of_lobe(shape, lost) * a * most * blur.c_mm);
+        let width = sharpness(sheet, span, incidence.place(k))?;
+        highest = highest.max(end_of_lobe(shape, lost) * width);
     }
     Ok(highest.clamp(0.1, HIGHEST))
+}
+
+/// Returns the greatest spread of the lobe on the page, cycles per edge length.
+pub(crate) fn sharpness(
+    sheet: &Fitted<'_>,
+    span: &Span,
+    incidence_deg: f64,
+) -> Result<f64, PredictError> {
+    let blur = sheet.blur(incidence_deg)?;
+    let most = span.factor[1];
+    let a = most * blur.spread / sheet.result.kernel.distance_scale(span.distance_mm[0]);
+    Ok(a * most * blur.c_mm)
 }
 
 /// Returns the frequency times the scaling R / c beyond which a lobe of fixed angle passes at most

@@ -1,6 +1,7 @@
 //! Search for the coarsest grid that is fine enough.
 
 use crate::explore::grid::{Error, Grid, own_axes};
+use crate::explore::lattice::{HIGHEST, sharpness};
 use crate::explore::mixed::{Misfit, Mixed, misfit};
 use crate::explore::scaling::Scaling;
 use crate::explore::span::{Fineness, Span, known};
@@ -27,6 +28,9 @@ const LITTLE_FINER: f64 = 0.8;
 
 /// Times that the first grid is made coarser if its numbers do not fit.
 const COARSER: usize = 3;
+
+/// Spread of a lobe that is nearly none, in units of the highest frequency of a lattice.
+const SHARP: f64 = 4.0;
 
 /// Grids that are tried at most.
 const MOST_GRIDS: usize = 10;
@@ -61,18 +65,48 @@ pub(crate) fn grid(
         result: &sharpest,
         table: sheet.table,
     };
+    // A lobe that is nearly none leaves the rim of the shift sharp, as kernel `shift` does. Then
+    // the search for a grid of transforms would try all of them in vain.
+    let first = sheet
+        .table
+        .axes
+        .incidence_deg
+        .first()
+        .copied()
+        .unwrap_or_default();
+    let is_sharp = shifts_rays(sheet)
+        && sheet.result.kernel.has_lobe()
+        && sharpness(sheet, span, first)? > SHARP * HIGHEST;
+    let mut paths = match is_sharp {
+        true => of_paths([sheet, &sharpest], span)?,
+        false => None,
+    };
+    if let Some(found) = paths.take_if(|found| found.misfit.larger() <= WANTED) {
+        step(1);
+        return Ok(found);
+    }
     let found = finest([sheet, &sharpest], span, step)?;
+    if found.misfit.larger() <= WANTED || found.grid.gaps.is_some() || !shifts_rays(sheet) {
+        return Ok(found);
+    }
+    let paths = match paths {
+        None if !is_sharp => of_paths([sheet, &sharpest], span)?,
+        paths => paths,
+    };
+    let better = paths.filter(|paths| paths.misfit.larger() < found.misfit.larger());
+    Ok(better.unwrap_or(found))
+}
+
+/// Computes the grid of the table's paths, for a sheet and for the sharpest one that the page
+/// spans; `None` if there is none.
+fn of_paths([sheet, sharpest]: [&Fitted<'_>; 2], span: &Span) -> Result<Option<Found>, Error> {
     let paths = Fineness {
         paths: true,
         ..Fineness::first(sheet)
     };
-    if found.misfit.larger() <= WANTED || found.grid.gaps.is_some() || !shifts_rays(sheet) {
-        return Ok(found);
-    }
-    // A lobe that is nearly none leaves the rim of the shift sharp, as kernel `shift` does.
     let grid = Grid::new(sheet, span, &paths)?;
     if grid.gaps.is_none() {
-        return Ok(found);
+        return Ok(None);
     }
     let places = spread(sheet, &grid, span);
     let error = |sheet: &Fitted<'_>| {
@@ -82,16 +116,12 @@ pub(crate) fn grid(
         };
         misfit(&mixed, &places)
     };
-    let misfit = error(sheet)?.or(error(&sharpest)?);
-    let (better, places) = (misfit.larger() < found.misfit.larger(), 2 * places.len());
-    Ok(match better {
-        true => Found {
-            grid,
-            misfit,
-            places,
-        },
-        false => found,
-    })
+    let misfit = error(sheet)?.or(error(sharpest)?);
+    Ok(Some(Found {
+        grid,
+        misfit,
+        places: 2 * places.len(),
+    }))
 }
 
 /// Computes the coarsest grid of transforms whose error is small enough, or else the finest that
