@@ -7,6 +7,7 @@
 
 use ndarray::{Array2, Array4, Array5, Axis, s};
 
+use crate::options::Method;
 use crate::table::axes::Axes;
 use crate::table::deviation::{Deviations, Entry, Grid};
 use crate::table::exact::{Exact, Path};
@@ -58,6 +59,7 @@ pub fn check(table: &Table) -> Result<(), Invalid> {
     axes(&table.axes)?;
     shapes(table)?;
     values(table)?;
+    method(table)?;
     if let (Some(bins), Some(fates)) = (&table.counts, &table.fate_counts) {
         counts(bins, fates, &table.rays)?;
     }
@@ -83,8 +85,8 @@ pub(crate) fn axes(axes: &Axes) -> Result<(), Invalid> {
         axis(
             "azimuth_deg",
             &axes.azimuth_deg,
-            "-360 < angle <= 360 (NaN alone for a mean)",
-            |x| x > -360.0 && x <= 360.0,
+            "-360 <= angle <= 360 (NaN alone for a mean)",
+            |x| x.abs() <= 360.0,
         )?;
     }
     let (incidences, azimuths) = axes.shape();
@@ -216,33 +218,31 @@ fn values(table: &Table) -> Result<(), Invalid> {
 }
 
 /// Checks that the numbers of the provenance lie in their ranges.
+///
+/// The ranges hold all that `bake` takes. What it has no range for is bounded too, because a reader
+/// computes with it.
 fn provenance(p: &Provenance) -> Result<(), Invalid> {
-    let error = |x: f64| (0.0..=1.0).contains(&x);
-    let positive = |x: f64| x.is_finite() && x > 0.0;
+    let share = |x: f64| x > 0.0 && x <= 1.0;
     within("edge_length", [&p.edge_length], "1e-12 to 1e12", |x| {
         (1e-12..=1e12).contains(&x)
     })?;
-    within(
-        "refractive_index",
-        [&p.refractive_index],
-        "0.001 to 1000",
-        |x| (1e-3..=1e3).contains(&x),
-    )?;
-    within(
-        "azimuth_zero",
-        &p.azimuth_zero,
-        "finite numbers",
-        f64::is_finite,
-    )?;
-    within("reflectance", [&p.reflectance], "0 to 1", error)?;
+    within("refractive_index", [&p.refractive_index], "1 to 10", |x| {
+        (1.0..=10.0).contains(&x)
+    })?;
+    within("azimuth_zero", &p.azimuth_zero, "-1e12 to 1e12", |x| {
+        x.abs() <= 1e12
+    })?;
+    let length: f64 = p.azimuth_zero.iter().map(|x| x * x).sum();
+    within("length of azimuth_zero", [&length], "above 0", |x| x > 0.0)?;
+    within("reflectance", [&p.reflectance], "above 0 to 1", share)?;
     within(
         "angular_tolerance_deg",
         [&p.angular_tolerance_deg],
-        "0 to 180",
-        |x| (0.0..=180.0).contains(&x),
+        "above 0 to 90",
+        |x| x > 0.0 && x <= 90.0,
     )?;
-    within("tolerance", [&p.tolerance], "finite numbers from 0", |x| {
-        x.is_finite() && x >= 0.0
+    within("tolerance", [&p.tolerance], "0 to 2", |x| {
+        (0.0..=2.0).contains(&x)
     })?;
     let rotations = f64::from(p.symmetry.rotations);
     within(
@@ -257,24 +257,49 @@ fn provenance(p: &Provenance) -> Result<(), Invalid> {
         "from 0 to below 360",
         |x| (0.0..360.0).contains(&x),
     )?;
-    within(
-        "wavelength_nm",
-        &p.wavelength_nm,
-        "finite positive numbers",
-        positive,
-    )?;
+    within("wavelength_nm", &p.wavelength_nm, "above 0 to 1e6", |x| {
+        x > 0.0 && x <= 1e6
+    })?;
     let metal: &[f64] = p.metal_index.as_ref().map_or(&[], |index| index);
-    within("metal_index", metal, "finite numbers from 0", |x| {
-        x.is_finite() && x >= 0.0
+    within("metal_index", metal, "0 to 1000", |x| {
+        (0.0..=1e3).contains(&x)
     })?;
     within(
         "direction_tolerance",
         &p.direction_tolerance,
-        "0 to 1",
-        error,
+        "above 0 to 1",
+        share,
     )?;
-    let lattice: &[f64] = p.lattice.as_ref().map_or(&[], |rows| rows.as_flattened());
-    within("lattice", lattice, "finite numbers", f64::is_finite)
+    let Some([a, b]) = p.lattice else {
+        return Ok(());
+    };
+    within("lattice", [a, b].as_flattened(), "-1e6 to 1e6", |x| {
+        x.abs() <= FARTHEST
+    })?;
+    let area = a[0] * b[1] - a[1] * b[0];
+    within("area of lattice", [&area], "above 0", |x| x > 0.0)
+}
+
+/// Checks that the table holds what its method makes: rays are counted, and an exact table has
+/// polygons and no counts.
+///
+/// A method or a sampler of a later version passes.
+fn method(table: &Table) -> Result<(), Invalid> {
+    let from = &table.provenance;
+    let holds = [table.counts.is_some(), table.exact.is_some()];
+    let fits = match from.method.known() {
+        None => true,
+        Some(Method::Rays) => holds == [true, false] && from.sampler.is_some(),
+        Some(Method::Exact) => holds == [false, true] && from.sampler.is_none(),
+        Some(Method::Auto) => false,
+    };
+    let has = |there| if there { "has" } else { "lacks" };
+    fits.then_some(()).ok_or_else(|| Invalid::Method {
+        method: from.method.to_string(),
+        sampler: from.sampler_text().to_owned(),
+        counts: has(holds[0]),
+        polygons: has(holds[1]),
+    })
 }
 
 /// Checks that `allow` holds for all values; `allowed` names the range in the error.

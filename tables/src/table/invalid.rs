@@ -20,7 +20,7 @@ pub enum Invalid {
         most: usize,
     },
     /// A value of an axis out of its range.
-    #[error("{axis} is {value} at index {index}, outside of {allowed}")]
+    #[error("{axis} is {value:?} at index {index}, outside of {allowed}")]
     AxisValue {
         /// Name of the axis.
         axis: &'static str,
@@ -50,7 +50,7 @@ pub enum Invalid {
         found: Vec<usize>,
     },
     /// A value that is NaN, infinite or outside of its range.
-    #[error("{array} is {value} at flat index {index}, outside of {allowed}")]
+    #[error("{array} is {value:?} at flat index {index}, outside of {allowed}")]
     Value {
         /// Name of the array.
         array: &'static str,
@@ -170,6 +170,21 @@ pub enum Invalid {
         present: &'static str,
         /// Name of the array that is not there.
         missing: &'static str,
+    },
+    /// A method or a sampler that contradicts what the table holds.
+    #[error(
+        "method is \"{method}\" and sampler is \"{sampler}\", but the table {counts} counts and \
+        {polygons} polygons"
+    )]
+    Method {
+        /// Word of the method.
+        method: String,
+        /// Word of the sampler.
+        sampler: String,
+        /// Whether there are counts: has or lacks.
+        counts: &'static str,
+        /// Whether there are polygons: has or lacks.
+        polygons: &'static str,
     },
     /// A polygon of fewer than three corners or of negative area.
     #[error(

@@ -394,7 +394,7 @@ fn every_bad_table_is_refused_with_its_message() {
     case(
         "incidence of 95 deg",
         spoilt(&|f| change(f, "incidence_deg", 2, 95.0)),
-        "incidence_deg is 95 at index 2",
+        "incidence_deg is 95.0 at index 2",
     );
     case(
         "incidence that falls",
@@ -732,4 +732,83 @@ fn an_attribute_with_too_few_bytes_is_refused() {
     let message = Bench::new().bytes(&bytes);
     assert!(message.contains("attribute back"), "{message}");
     assert!(message.contains("in 15 bytes"), "{message}");
+}
+
+/// Attributes outside of what `bake` writes, and methods that contradict the content.
+#[test]
+fn attributes_outside_of_their_range_are_refused() {
+    let bench = Bench::new();
+    let (below, above) = (f64::from_bits(1), |x: f64| f64::from_bits(x.to_bits() + 1));
+    let single: [(&str, &[f64]); 11] = [
+        (
+            "angular_tolerance_deg",
+            &[0.0, above(90.0), 91.0, 180.0, -1.0],
+        ),
+        ("direction_tolerance", &[0.0, above(1.0), f64::NAN]),
+        ("wavelength_nm", &[0.0, above(1e6), 1e308]),
+        ("refractive_index", &[0.5, above(10.0), f64::INFINITY]),
+        ("reflectance", &[0.0, above(1.0)]),
+        ("tolerance", &[-below, above(2.0), 1e308]),
+        ("edge_length", &[0.0, 1e-13, 1e13]),
+        ("symmetry_mirror_deg", &[-1.0, 360.0]),
+        ("metal_index", &[-1.0, above(1e3), 1e308]),
+        ("azimuth_zero", &[0.0, 1e13, f64::NAN]),
+        ("lattice", &[0.0, above(1e6), 1e308, -1.0]),
+    ];
+    let mut cases = 0;
+    for (name, values) in single {
+        for &value in values {
+            let message = bench.spoilt(|file| {
+                // An attribute of several numbers has this one in the first place, and lattice
+                // vectors are (value, 0) and (0, 1).
+                let numbers: &[f64] = match name {
+                    "metal_index" => &[value, 1.0],
+                    "azimuth_zero" => &[value, 0.0, 0.0],
+                    "lattice" => &[value, 0.0, 0.0, 1.0],
+                    _ => &[value],
+                };
+                if file.attr(name).is_ok() {
+                    file.delete_attr(name).unwrap();
+                }
+                let numbers = ndarray::arr1(numbers);
+                let of = |shape: &[usize]| numbers.to_shape(shape).unwrap().to_owned();
+                let shape: &[usize] = match name {
+                    "metal_index" => &[2],
+                    "azimuth_zero" => &[3],
+                    "lattice" => &[2, 2],
+                    _ => &[],
+                };
+                let attribute = file.new_attr::<f64>().shape(shape).create(name).unwrap();
+                attribute.write(&of(shape)).unwrap();
+            });
+            let says = message.contains(name) && message.contains("outside of");
+            assert!(says, "{name} {value}: {message}");
+            cases += 1;
+        }
+    }
+    for [method, sampler] in [
+        ["exact", "none"],
+        ["exact", "sobol"],
+        ["rays", "none"],
+        ["auto", "sobol"],
+    ] {
+        let message = bench.spoilt(|file| {
+            attribute(file, "method", &text(method));
+            attribute(file, "sampler", &text(sampler));
+        });
+        assert!(
+            message.contains(&format!("method is \"{method}\"")),
+            "{message}"
+        );
+        cases += 1;
+    }
+    for azimuth in [above(360.0), 719.0] {
+        let message = bench.spoilt(|file| change(file, "azimuth_deg", 1, azimuth));
+        assert!(
+            message.contains("azimuth_deg") && message.contains("outside of"),
+            "{message}"
+        );
+        cases += 1;
+    }
+    assert_eq!(cases, 34 + 4 + 2);
 }
