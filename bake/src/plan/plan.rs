@@ -251,8 +251,8 @@ fn asked(request: &Request) -> Result<(Axes, Option<f64>), PlanError> {
     within(
         "--azimuth",
         &azimuth_deg,
-        |angle| angle.is_nan() || (angle > -360.0 && angle <= 360.0),
-        "above -360 and at most 360 degrees",
+        |angle| angle.is_nan() || angle.abs() <= 360.0,
+        "from -360 to 360 degrees",
     )?;
     let directions = incidence_deg.len() * azimuth_deg.len();
     if directions > MOST_DIRECTIONS {

@@ -54,9 +54,14 @@ pub(crate) fn usual_azimuth(table: &tables::Table, result: &ResultFile) -> Optio
 /// # Errors
 /// Returns a message for clap if `text` is no list, or if a number is out of range.
 pub(crate) fn positives(text: &str) -> Result<Vec<f64>, String> {
+    within_all(text, Bounds::POSITIVE)
+}
+
+/// Reads a list of numbers within bounds.
+fn within_all(text: &str, bounds: Bounds) -> Result<Vec<f64>, String> {
     let list = list(text).map_err(|error| error.to_string())?;
-    match list.iter().find(|v| !(Bounds::POSITIVE.holds)(**v)) {
-        Some(bad) => Err(format!("{bad} must be {}", Bounds::POSITIVE.words)),
+    match list.iter().find(|&&value| !(bounds.holds)(value)) {
+        Some(bad) => Err(format!("{bad} must be {}", bounds.words)),
         None => Ok(list),
     }
 }
@@ -100,6 +105,14 @@ pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
 /// Returns a message for clap if `text` is no angle from -360 to 360.
 pub(crate) fn turn(text: &str) -> Result<f64, String> {
     within(text, Bounds::TURN)
+}
+
+/// Reads a list of angles of a turn, degrees.
+///
+/// # Errors
+/// Returns a message for clap if `text` is no list, or if an angle is not from -360 to 360.
+pub(crate) fn turns(text: &str) -> Result<Vec<f64>, String> {
+    within_all(text, Bounds::TURN)
 }
 
 /// Reads the transfer function of stored integers: linear or srgb.

@@ -84,7 +84,7 @@ pub(crate) struct Arguments {
     )]
     pub incidence: std::vec::Vec<f64>,
     /// Azimuths of the light, degrees; that of the table if it holds one, 0 for a --sheet.
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = terminal::list)]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = parse::turns)]
     pub azimuth: Option<std::vec::Vec<f64>>,
     /// Numbers of a sheet without a fit.
     #[command(flatten)]

@@ -45,7 +45,7 @@ impl Bounds {
     };
     /// Angle of a turn about an axis, degrees, from -360 to 360.
     pub(crate) const TURN: Bounds = Bounds {
-        words: "between -360 and 360 degrees",
+        words: "from -360 to 360 degrees",
         holds: |x| x.abs() <= 360.0,
     };
 }

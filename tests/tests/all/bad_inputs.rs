@@ -293,7 +293,7 @@ fn options() {
         trace("--azimuth-zero", "1,0", "--azimuth-zero"),
         trace("--edge-length", "-2", "--edge-length"),
         trace("--edge-length", "1e20", "does not fit a cell 3 wide"),
-        trace("--azimuth", "-360", "above -360"),
+        trace("--azimuth", "-361", "from -360 to 360"),
         trace("--range", "1e6", "--range 1000000"),
         trace("--azimuth", "full:x", "\"x\" is not an angle"),
         trace("--angular-tolerance", "20", "at most 10 degrees"),
@@ -549,4 +549,43 @@ fn options() {
     }
     assert_eq!(count, 71);
     bench.all_refused(count);
+}
+
+/// Azimuths have one rule at all doors: from -360 to 360 degrees. Those of manifests have it too
+/// (`azimuth_beyond_a_turn.toml`).
+#[test]
+fn azimuths_have_one_rule() {
+    let mut bench = Bench::new();
+    let here = bench.path().to_owned();
+    bake_table(&here, "triangular", "0,20", "-360,0,360");
+    let mesh = ["trace", "triangular.obj", "-o", "OUT", "--incidence", "20"];
+    let sheet = ["--sheet", "hollow-0.2", "--distance", "150"];
+    let place =
+        |verb: &'static str| [&[verb][..], &sheet, &["--incidence", "20", "-o", "OUT"]].concat();
+    let doors: [(&str, Vec<&str>); 4] = [
+        ("bake", mesh.to_vec()),
+        ("fit", place("predict")),
+        (
+            "fit",
+            [&place("render")[..], &["--source", "none.png"]].concat(),
+        ),
+        ("fit", place("explore")),
+    ];
+    let mut cases = 0;
+    for (program, door) in &doors {
+        for azimuth in ["719", "-360.5", "360.0000001"] {
+            let words = [&door[..], &["--azimuth", azimuth]].concat();
+            bench.refuses(&here, program, &words, 2, &["from -360 to 360"]);
+            cases += 1;
+        }
+    }
+    for azimuth in ["-360,-30,360", "-360:360:90"] {
+        let words = [&place("predict")[..], &["--azimuth", azimuth]].concat();
+        let words: Vec<&str> = words
+            .iter()
+            .map(|&word| if word == "OUT" { "p.csv" } else { word })
+            .collect();
+        assert_eq!(run("fit", &here, &words).code, Some(0), "{azimuth}");
+    }
+    bench.all_refused(cases);
 }
