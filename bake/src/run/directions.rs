@@ -345,6 +345,7 @@ impl<'a> Search<'a> {
                 incidence_deg: probe.incidence_deg,
                 azimuth_deg: probe.azimuth_deg,
                 reached: (*reached < OPEN).then_some(*reached),
+                aim: self.aim,
                 directions: MOST_DIRECTIONS,
             });
         }
@@ -447,6 +448,22 @@ mod tests {
         println!(
             "{few} directions tried, {many} proved; {} limits",
             limits.len()
+        );
+        // An error between the aim and the tolerance is refused by the aim, and that is said.
+        let mut search = Search::new(&bake, exact, 0.02);
+        search.incidences = (0..=MOST_DIRECTIONS).map(|k| 0.04 * k as f64).collect();
+        search.azimuths = vec![0.0];
+        let probe = Probe {
+            incidence_deg: 0.02,
+            azimuth_deg: 0.0,
+            along: Some(0),
+            across: None,
+        };
+        let refused = search.halve(&[(0.0167, probe)]).expect_err("too many");
+        let said = refused.to_string();
+        assert!(
+            said.contains("1.670e-2") && said.contains("1.600e-2"),
+            "{said}"
         );
     }
 }

@@ -37,7 +37,7 @@ pub enum RunError {
         incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; ray shifts may jump there, for \
         example because total reflection ends or slits of a plate change places; leave out such \
         angles, or give a greater tolerance",
-        still(*reached)
+        still(*reached, *aim)
     )]
     DirectionTolerance {
         /// Incidence of the worst direction, degrees.
@@ -47,6 +47,8 @@ pub enum RunError {
         /// Total variation reached in that direction; `None` if its polygons cannot be
         /// interpolated.
         reached: Option<f64>,
+        /// Total variation that was aimed at there, below the tolerance.
+        aim: f64,
         /// Largest number of directions.
         directions: usize,
     },
@@ -95,9 +97,12 @@ pub enum RunError {
 }
 
 /// Returns what is still wrong with an interpolated direction.
-fn still(reached: Option<f64>) -> String {
+fn still(reached: Option<f64>, aim: f64) -> String {
     match reached {
-        Some(error) => format!("the error, or what is proved of it, is still {error:.2e}"),
+        Some(error) => format!(
+            "the error is still {error:.3e}, above the {aim:.3e} that the search aims at because \
+            it tries only some of all directions,"
+        ),
         None => "the polygons can still not be interpolated".into(),
     }
 }
