@@ -48,6 +48,17 @@ pub(crate) fn refract(direction: DVec3, normal: DVec3, from: f64, to: f64) -> Op
     })
 }
 
+/// Returns the direction outside of light along `inside` in a sheet of refractive index `index`
+/// with the normal +z.
+///
+/// Light that cannot leave, because its reflection is total, has a length above 1.
+#[inline(always)]
+pub(crate) fn outside(inside: DVec3, index: f64) -> DVec3 {
+    let along = inside.truncate() * index;
+    let upright = (1.0 - along.length_squared()).max(0.0).sqrt();
+    along.extend(upright.copysign(inside.z))
+}
+
 /// Returns the deviation outside of light that was launched along `launched` and leaves along
 /// `left`.
 ///
@@ -56,12 +67,7 @@ pub(crate) fn refract(direction: DVec3, normal: DVec3, from: f64, to: f64) -> Op
 /// the exact way back: first across that way within the plane of incidence, towards +x, then along
 /// y.
 pub(crate) fn deviation(launched: DVec3, left: DVec3, index: f64) -> DVec2 {
-    let outside = |inside: DVec3| {
-        let along = inside.truncate() * index;
-        let upright = (1.0 - along.length_squared()).max(0.0).sqrt();
-        along.extend(upright * inside.z.signum())
-    };
-    let (back, out) = (-outside(launched), outside(left));
+    let (back, out) = (-outside(launched, index), outside(left, index));
     let across = DVec3::new(back.z, 0.0, -back.x);
     DVec2::new(out.dot(across), out.y) / out.dot(back)
 }

@@ -2,7 +2,7 @@
 
 use crate::optics::element;
 use crate::optics::light::Backing;
-use crate::optics::mirror::totally_reflected;
+use crate::optics::mirror::{outside, totally_reflected};
 use glam::{DMat3, DVec3};
 use tables::Fate;
 use tables::options::{Element, Front, Roughness};
@@ -107,6 +107,7 @@ impl Rules {
 pub(crate) struct Leaving {
     ideal: DMat3,
     sine: f64,
+    index: f64,
 }
 
 impl Leaving {
@@ -115,6 +116,7 @@ impl Leaving {
         Leaving {
             ideal: element::imaging(rules.element),
             sine: libm::sin(rules.angular_tolerance_rad / 2.0),
+            index: rules.refractive_index,
         }
     }
 
@@ -130,21 +132,29 @@ impl Leaving {
         squared <= 8.0 * self.sine * self.sine
     }
 
-    /// Returns whether `map` takes the direction `travel` to within the tolerance of where the
-    /// ideal map takes it.
+    /// Returns whether light launched along `travel`, which leaves along `left`, leaves to within
+    /// the tolerance of where the ideal map sends it.
     ///
-    /// |a - b| = 2 sin(w/2) for unit vectors at an angle w.
+    /// Both directions are inside, and the angle between the two ways is that in the air: the front
+    /// face widens it. |a - b| = 2 sin(w/2) for unit vectors at an angle w.
     #[inline(always)]
-    pub(crate) fn is_antiparallel(&self, map: DMat3, travel: DVec3) -> bool {
-        (map * travel - self.ideal * travel).length() <= 2.0 * self.sine
+    pub(crate) fn is_straight(&self, left: DVec3, travel: DVec3) -> bool {
+        let ideal = self.ideal * travel;
+        if self.index == 1.0 {
+            return (left - ideal).length() <= 2.0 * self.sine;
+        }
+        let [out, back] = [left, ideal].map(|inside| outside(inside, self.index));
+        // Light that the front face reflects totally has no direction in the air.
+        ((out - back).length() <= 2.0 * self.sine) & (out.truncate().length_squared() < 1.0)
     }
 }
 
 /// Returns the fate of a ray that leaves after `bounces` reflections with the linear map `map`,
 /// launched along `travel`.
 ///
-/// All angles are inside the cell. Light that a front face would reflect back inside counts as
-/// leaving.
+/// `travel` and `map` are inside the cell, and so is the rotation of a map that counts as
+/// retroreflected. The angle of light by another map is that in the air. Light that a front face
+/// would reflect back inside counts as leaving.
 pub(crate) fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, rules: &Rules) -> Fate {
     if bounces == 0 {
         return element::unmet(rules.element);
@@ -153,7 +163,7 @@ pub(crate) fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, rules: &R
     if leaving.is_near(map) {
         return Fate::Retroreflected;
     }
-    if leaving.is_antiparallel(map, travel) {
+    if leaving.is_straight(map * travel, travel) {
         return Fate::AntiparallelOther;
     }
     match bounces {
@@ -255,5 +265,48 @@ mod tests {
             ];
             assert_eq!(beyond, expected, "{tolerance}");
         }
+    }
+
+    /// Behind a front face the angle from straight back is that in the air, by Snell's law of both
+    /// angles. The map holds a mirror, so only the direction counts. Light is turned within the
+    /// plane of incidence here; at 40 degrees in index 1.586 an angle of 0.5 degrees inside would
+    /// be 0.95 outside.
+    #[test]
+    fn directions_behind_a_front_face_are_judged_in_the_air() {
+        let (index, incidence) = (1.586_f64, 40_f64.to_radians());
+        let inside = |outside: f64| (outside.sin() / index).asin();
+        let along = |angle: f64| DVec3::new(angle.sin(), 0.0, -angle.cos());
+        let mirror = DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0));
+        let mut cases = 0;
+        for tolerance in [1e-4, 8.7e-3, 0.2] {
+            let rules = Rules {
+                refractive_index: index,
+                ..rules(Element::Retroreflector, tolerance)
+            };
+            for part in [-1.01, -0.99, 0.0, 0.99, 1.01] {
+                let turn = inside(incidence + part * tolerance) - inside(incidence);
+                let map = -(DMat3::from_rotation_y(-turn) * mirror);
+                let travel = along(inside(incidence));
+                let back = along(inside(incidence + part * tolerance));
+                assert!((map * travel + back).length() < 1e-15);
+                let expected = match part.abs() < 1.0 {
+                    true => Fate::AntiparallelOther,
+                    false => Fate::LeftAfter2,
+                };
+                let fate = fate_of_leaving(map, travel, 2, &rules);
+                assert_eq!(fate, expected, "{tolerance} {part}");
+                cases += 1;
+            }
+        }
+        // Light beyond the critical angle is not in the air at all.
+        let grazing = along(inside(89.9_f64.to_radians()));
+        let beyond = along(inside(89.9_f64.to_radians()) + 1e-3);
+        let leaving = Leaving::new(&Rules {
+            refractive_index: index,
+            ..rules(Element::Retroreflector, 0.1)
+        });
+        assert!(leaving.is_straight(-grazing, grazing));
+        assert!(!leaving.is_straight(-beyond, grazing));
+        assert_eq!(cases, 15);
     }
 }

@@ -131,6 +131,7 @@ impl<'a> Departures<'a> {
     fn fates(&self) -> Mask {
         let mut fates = [0; LANES];
         let unmet = element::unmet(self.rules.element) as u64;
+        let travel = self.direction.travel;
         let [a, b, c, d, e, f, g, h, i] = &self.map;
         for lane in 0..LANES {
             let [x, y, z] = [[a, b, c], [d, e, f], [g, h, i]]
@@ -150,7 +151,7 @@ impl<'a> Departures<'a> {
             };
             fate = if bounces == 0 { unmet } else { fate };
             // The first rule that holds counts, so it is asked last.
-            let opposite = self.leaving.is_antiparallel(map, self.direction.travel);
+            let opposite = self.leaving.is_straight(map * travel, travel);
             let fate = if opposite & (bounces > 0) {
                 Fate::AntiparallelOther as u64
             } else {

@@ -3,8 +3,8 @@
 //! All faster tracers are checked against this one.
 
 use crate::optics::{
-    Backing, Incidence, LEAST_POWER, Light, PASSES, Ray, Rules, element, fate_of_leaving, mirrored,
-    reflect, refract, roughness,
+    Backing, Incidence, LEAST_POWER, Leaving, Light, PASSES, Ray, Rules, element, fate_of_leaving,
+    mirrored, reflect, refract, roughness,
 };
 use crate::rays::scene::{Event, Scene};
 use crate::samples::Stream;
@@ -127,10 +127,9 @@ impl Course {
 
     /// Returns the fate of rays, launched along `travel`, that leave a sheet with bodies of glass.
     fn left_glass(&self, travel: DVec3, rules: &Rules) -> Fate {
-        let off = (self.direction - element::imaging(rules.element) * travel).length();
         match self.bounces {
             0 if self.crossings == 0 => element::unmet(rules.element),
-            _ if off <= 2.0 * libm::sin(rules.angular_tolerance_rad / 2.0) => Fate::Retroreflected,
+            _ if Leaving::new(rules).is_straight(self.direction, travel) => Fate::Retroreflected,
             _ if self.direction.z < 0.0 => Fate::Transmitted,
             1 => Fate::LeftAfter1,
             2 => Fate::LeftAfter2,

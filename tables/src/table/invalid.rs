@@ -181,9 +181,9 @@ pub enum Invalid {
         method: String,
         /// Word of the sampler.
         sampler: String,
-        /// Whether there are counts: has or lacks.
+        /// Word for counts that are there or not: has or lacks.
         counts: &'static str,
-        /// Whether there are polygons: has or lacks.
+        /// Word for polygons that are there or not: has or lacks.
         polygons: &'static str,
     },
     /// A polygon of fewer than three corners or of negative area.

@@ -10,13 +10,20 @@ use crate::table::symmetry::Symmetry;
 /// when equal options give other numbers. So tables of two versions of a program can be merged as
 /// long as their rays are of one kind.
 ///
-/// Tables of rough facets have [`GENERATOR_OF_ROUGH`].
+/// Tables of rough facets have [`GENERATOR_OF_ROUGH`], and those of a refractive index above 1
+/// [`GENERATOR_BEHIND_FRONT`].
 pub const GENERATOR: &str = "airr ray-shift table 1";
 
 /// Generator that a bake writes into tables of rough facets.
 ///
 /// Programs before 24 November 2026 drew other normals for them, and wrote [`GENERATOR`].
 pub const GENERATOR_OF_ROUGH: &str = "airr ray-shift table 2";
+
+/// Generator that a bake writes into tables of a refractive index above 1, rough or not.
+///
+/// Programs before 27 November 2026 took the angle of light that leaves straight back by another
+/// map inside the sheet, and wrote [`GENERATOR`] or [`GENERATOR_OF_ROUGH`].
+pub const GENERATOR_BEHIND_FRONT: &str = "airr ray-shift table 3";
 
 /// Generators of earlier programs that give the numbers of [`GENERATOR`].
 const EARLIER: [&str; 1] = ["bake 0.1.0"];
@@ -40,8 +47,8 @@ pub(crate) fn sampler(text: String) -> Option<Word<Sampler>> {
 /// Origin of a table: all that is needed to bake it again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Provenance {
-    /// Rule that made the numbers; in bakes of this version [`GENERATOR`], or
-    /// [`GENERATOR_OF_ROUGH`].
+    /// Rule that made the numbers; in bakes of this version [`GENERATOR`],
+    /// [`GENERATOR_OF_ROUGH`] or [`GENERATOR_BEHIND_FRONT`].
     pub generator: String,
     /// Name of the cell's design.
     pub design: String,
