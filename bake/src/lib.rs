@@ -75,9 +75,10 @@ pub use rays::Tracer;
 pub use run::RunError;
 pub use run::Watch;
 pub use run::trace;
+pub use run::{Claims, Contradiction, Unchecked, claims};
 pub use run::{Comparison, ExitGap, Row};
 pub use run::{Forged, consistent};
-pub use run::{RetraceError, rebake, retrace};
+pub use run::{RetraceError, error_between, rebake, retrace};
 pub use study::{Point, Reference, Series, Study, StudyError, StudyPlan, StudyRequest};
 pub use study::{Reached, Slope};
 

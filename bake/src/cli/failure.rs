@@ -60,22 +60,40 @@ pub(crate) enum Failure {
         file: PathBuf,
         source: crate::run::Forged,
     },
-    #[error("{} does not agree with the exact bake of {} made again: their polygons differ by more \
-    than rounding explains; bake the table again",
+    #[error("{} does not agree with the exact bake of {} made again: they differ by more than \
+    counting and rounding explain; bake the table again",
         table.display(), mesh.display())]
     Rebaked { table: PathBuf, mesh: PathBuf },
     #[error("{} claims a symmetry that {} does not have, so it is wrong at the azimuths that it \
     leaves out; bake the table again",
         table.display(), mesh.display())]
     Symmetry { table: PathBuf, mesh: PathBuf },
-    #[error("{}: its back \"{back}\", losses \"{losses}\" or options \"{options}\" are not known \
-    to this version of bake; update bake, or leave out --mesh",
+    #[error("{}: its {attribute} \"{word}\" is not known to this version of bake; update bake, or \
+    bake the table again",
         file.display())]
     Unknown {
         file: PathBuf,
-        back: String,
-        losses: String,
-        options: String,
+        attribute: &'static str,
+        word: String,
+    },
+    #[error("{}: {source}", file.display())]
+    NoBake {
+        file: PathBuf,
+        source: crate::run::RetraceError,
+    },
+    #[error("{} does not agree with {}: {source}; bake the table again",
+        table.display(), mesh.display())]
+    Contradicted {
+        table: PathBuf,
+        mesh: PathBuf,
+        source: crate::run::Contradiction,
+    },
+    #[error("{}: its direction_tolerance is {stated}, but between its directions it is off by \
+    {found:.2e}; bake the table again", table.display())]
+    Between {
+        table: PathBuf,
+        found: f64,
+        stated: f64,
     },
     #[error(
         "this is one of {count} processes of mpirun, but this bake was built without the feature \

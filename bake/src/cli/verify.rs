@@ -1,16 +1,25 @@
-//! `bake verify`: checks a table on its own, and against its mesh: by rays, and an exact table by
-//! the exact bake made again.
+//! `bake verify`: checks a table on its own, and against its mesh: by rays, by the exact bake, and
+//! by what the table states about its bake.
 
 use crate::cell::Prepared;
 use crate::cli::cell::CellArgs;
 use crate::cli::failure::Failure;
 use crate::cli::report::comparison_text;
-use crate::run::{Comparison, RetraceError, Watch, consistent, rebake, retrace, stated};
+use crate::run::{
+    Claims, Comparison, RetraceError, Unchecked, Watch, claims, consistent, error_between, rebake,
+    retrace,
+};
 use clap::Args;
+use meshes::Cell;
+use std::hash::{BuildHasher, Hasher, RandomState};
 use std::path::{Path, PathBuf};
 use tables::Table;
 use tables::cli::{print, warn, whole};
+use tables::options::SceneOptions;
 use tables::reader::Protection;
+
+/// Largest difference of an edge length or a direction that is not said: a mesh of six digits.
+const SAME: f64 = 1e-6;
 
 /// Options of `bake verify`.
 #[derive(Debug, Args)]
@@ -19,9 +28,10 @@ pub(crate) struct VerifyArgs {
     table: PathBuf,
     /// Mesh that is compared with the table
     ///
-    /// Rays are traced at some of the table's directions, and eta, shifts and exit directions are
-    /// compared. The exact bake of an exact table is made again in all directions, and compared
-    /// path by path, with exit directions and weights.
+    /// Where the exact method takes the cell, it bakes all directions, and eta, fates, shifts and
+    /// exit directions are compared, those of an exact table path by path. Rays are traced in some
+    /// directions, or in all of them where only rays can. What the table states about its bake is
+    /// held against the mesh. What could not be checked is listed.
     #[arg(long)]
     mesh: Option<PathBuf>,
     #[command(flatten)]
@@ -34,12 +44,31 @@ pub(crate) struct VerifyArgs {
         value_parser = whole::<u64>(1..1 << 40)
     )]
     rays: u64,
-    /// Seed of the choice of directions and of their rays
-    #[arg(long, default_value_t = 1, value_parser = whole::<u64>(0..))]
-    seed: u64,
+    /// Seed of the choice of directions and of their rays [default: another one each time]
+    ///
+    /// The seed is printed. Given again, it repeats a check. Nobody can make a table for a seed
+    /// that is chosen after it.
+    #[arg(long, value_parser = whole::<u64>(0..))]
+    seed: Option<u64>,
     /// Prints the result as one JSON object
     #[arg(long)]
     json: bool,
+}
+
+/// Table held against its mesh.
+struct Judged {
+    /// Seed of the directions and rays.
+    seed: u64,
+    /// Comparison with rays.
+    rays: Comparison,
+    /// Comparison with the exact bake, if the exact method takes the cell.
+    baked: Option<Comparison>,
+    /// Greatest error between directions that was found, if the table states a tolerance.
+    between: Option<f64>,
+    /// Tolerance between directions that the table states.
+    stated: Option<f64>,
+    /// Statements of the table about its bake.
+    claims: Claims,
 }
 
 /// Runs `bake verify`.
@@ -49,22 +78,42 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         file: args.table.clone(),
         source,
     })?;
+    known(&table, &args.table)?;
     let sealed = tables::is_sealed(&args.table)?;
     let (incidences, azimuths) = table.axes.shape();
     let hash = table.content_hash();
-    let comparison = args
+    let judged = args
         .mesh
         .as_deref()
-        .map(|mesh| traced(&table, mesh, args))
+        .map(|mesh| judged(&table, mesh, args))
         .transpose()?;
-    let agrees = comparison.as_ref().map(|(rays, _)| rays.agrees());
-    let baked = comparison.as_ref().and_then(|(_, baked)| baked.as_ref());
-    let polygons = baked.map(Comparison::agrees);
+    let agrees = judged.as_ref().map(|judged| judged.rays.agrees());
+    let baked = judged.as_ref().and_then(|judged| judged.baked.as_ref());
+    let exact = baked.map(Comparison::agrees);
+    let unchecked = match &judged {
+        Some(judged) => judged.claims.unchecked.clone(),
+        None => vec![Unchecked {
+            attribute: "all",
+            why: "only the mesh can tell whether the numbers and the options are right; give \
+                --mesh"
+                .into(),
+        }],
+    };
     print(&if args.json {
+        let unchecked = unchecked
+            .iter()
+            .map(|one| serde_json::json!({ "attribute": one.attribute, "why": one.why }));
         let value = serde_json::json!({
             "valid": true, "sealed": sealed, "content_hash": hash,
             "directions": incidences * azimuths, "mesh_agrees": agrees,
-            "polygons_agree": polygons,
+            "polygons_agree": exact.filter(|_| table.exact.is_some()),
+            "exact_bake_agrees": exact,
+            "directions_traced": judged.as_ref().map(|judged| judged.rays.rows.len()),
+            "directions_baked": baked.map(|baked| baked.rows.len()),
+            "error_between": judged.as_ref().and_then(|judged| judged.between),
+            "seed": judged.as_ref().map(|judged| judged.seed),
+            "contradictions": judged.as_ref().map(|judged| contradictions(&judged.claims)),
+            "unchecked": unchecked.collect::<Vec<_>>(),
             "reader_lacks": lacking.iter().map(|one| one.words()).collect::<Vec<_>>() });
         format!("{value}\n")
     } else {
@@ -79,22 +128,106 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
             args.table.display(),
             incidences * azimuths
         );
-        head + &note(&lacking) + &comparison.as_ref().map_or(String::new(), compared)
+        let left = unchecked.iter().map(|one| format!("unchecked: {one}\n"));
+        head + &note(&lacking)
+            + &judged
+                .as_ref()
+                .map_or(String::new(), |judged| compared(judged, &table))
+            + &left.collect::<String>()
     })?;
+    let Some(judged) = judged else {
+        return Ok(());
+    };
     let (table, mesh) = (args.table.clone(), args.mesh.clone().unwrap_or_default());
-    match (agrees, polygons) {
-        (Some(false), _) => Err(Failure::Retraced { table, mesh }),
-        (_, Some(false)) => Err(Failure::Rebaked { table, mesh }),
+    if let Some(source) = judged.claims.wrong.into_iter().next() {
+        return Err(Failure::Contradicted {
+            table,
+            mesh,
+            source,
+        });
+    }
+    if agrees == Some(false) {
+        return Err(Failure::Retraced { table, mesh });
+    }
+    if exact == Some(false) {
+        return Err(Failure::Rebaked { table, mesh });
+    }
+    match (judged.between, judged.stated) {
+        (Some(found), Some(stated)) if found > stated => Err(Failure::Between {
+            table,
+            found,
+            stated,
+        }),
         _ => Ok(()),
     }
 }
 
-/// Returns the comparison with rays as text, and that with the exact bake if there is one.
-fn compared((rays, baked): &(Comparison, Option<Comparison>)) -> String {
-    let mut text = comparison_text(rays);
-    if let Some(baked) = baked {
-        text.push_str("the exact bake made again, path by path:\n");
+/// Checks that this version knows all words of a table.
+///
+/// # Errors
+/// Returns [`Failure::Unknown`] for the first word that a later version wrote, or nobody.
+fn known(table: &Table, file: &Path) -> Result<(), Failure> {
+    let from = &table.provenance;
+    let sampler = from.sampler.as_ref();
+    let words = [
+        ("method", from.method.text(), from.method.known().is_some()),
+        (
+            "sampler",
+            from.sampler_text(),
+            sampler.is_none_or(|word| word.known().is_some()),
+        ),
+        ("back", from.back.text(), from.back.known().is_some()),
+        ("losses", from.losses.text(), from.losses.known().is_some()),
+        (
+            "options",
+            from.options.text(),
+            from.options.known().is_some(),
+        ),
+    ];
+    match words.into_iter().find(|(_, _, known)| !known) {
+        Some((attribute, word, _)) => Err(Failure::Unknown {
+            file: file.to_owned(),
+            attribute,
+            word: word.to_owned(),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Returns what a table states wrongly, as JSON.
+fn contradictions(claims: &Claims) -> Vec<serde_json::Value> {
+    let wrong = claims.wrong.iter();
+    wrong
+        .map(|one| {
+            serde_json::json!({
+                "attribute": one.attribute, "stated": one.stated, "found": one.found
+            })
+        })
+        .collect()
+}
+
+/// Returns the comparisons with the mesh as text.
+fn compared(judged: &Judged, table: &Table) -> String {
+    let all = table.retroreflected.len();
+    let mut text = format!(
+        "{} of {all} directions traced again, with the seed {}:\n",
+        judged.rays.rows.len(),
+        judged.seed
+    );
+    text.push_str(&comparison_text(&judged.rays));
+    if let Some(baked) = &judged.baked {
+        text.push_str(match table.exact {
+            Some(_) => "the exact bake made again, path by path:\n",
+            None => "the exact bake in all directions:\n",
+        });
         text.push_str(&comparison_text(baked));
+    }
+    if let (Some(found), Some(stated)) = (judged.between, judged.stated) {
+        let line = format!("error between directions: {found:.2e}, direction_tolerance {stated}\n");
+        text.push_str(&line);
+    }
+    for wrong in &judged.claims.wrong {
+        text.push_str(&format!("wrong: {wrong}\n"));
     }
     text
 }
@@ -112,39 +245,17 @@ fn note(lacking: &[Protection]) -> String {
     )
 }
 
-/// Traces rays through `mesh` and compares them with the table; the exact bake of an exact table
-/// too.
+/// Holds a table against its mesh.
 ///
 /// Edge length and azimuth 0 are those of the table, unless the options give others.
 ///
 /// # Errors
-/// Returns [`Failure::Unknown`] if a later version made the table with options unknown here,
-/// [`Failure::Symmetry`] if the mesh lacks the table's symmetry, and the failures of loading the
-/// mesh and of tracing.
-fn traced(
-    table: &Table,
-    mesh: &Path,
-    args: &VerifyArgs,
-) -> Result<(Comparison, Option<Comparison>), Failure> {
+/// Returns [`Failure::NoBake`] if no bake takes the options of the table, [`Failure::Symmetry`] if
+/// the mesh lacks the table's symmetry, and the failures of loading the mesh and of tracing.
+fn judged(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<Judged, Failure> {
     let from = &table.provenance;
-    let unknown = || Failure::Unknown {
-        file: args.table.clone(),
-        back: from.back.to_string(),
-        losses: from.losses.to_string(),
-        options: from.options.to_string(),
-    };
-    // Reading the mesh would be in vain if the other options are not known.
-    let scene = stated(from).ok_or_else(unknown)?.scene;
-    let cell = CellArgs {
-        edge_length: args.cell.edge_length.or(Some(from.edge_length)),
-        azimuth_zero: args.cell.azimuth_zero.clone().or_else(|| {
-            let [x, y, z] = from.azimuth_zero;
-            Some(format!("{x},{y},{z}"))
-        }),
-        lattice: args.cell.lattice.clone(),
-        unit: args.cell.unit.clone(),
-    }
-    .load(mesh, &scene)?;
+    let scene = from.options.known().unwrap_or_default();
+    let (cell, own) = loaded(table, mesh, &args.cell, &scene)?;
     warn(&cell.warnings);
     if cell.mesh_hash != from.mesh_hash {
         warn(&[format!(
@@ -154,15 +265,86 @@ fn traced(
         )]);
     }
     let failed = |error| match error {
-        RetraceError::Unknown => unknown(),
+        RetraceError::Run(error) => error.into(),
         RetraceError::Symmetry => Failure::Symmetry {
             table: args.table.clone(),
             mesh: mesh.to_owned(),
         },
-        RetraceError::Run(error) => error.into(),
+        source => Failure::NoBake {
+            file: args.table.clone(),
+            source,
+        },
     };
     let prepared = Prepared::new(cell);
-    let rays = retrace(table, &prepared, args.rays, args.seed, Watch::none()).map_err(failed)?;
-    let baked = rebake(table, &prepared, Watch::none()).map_err(failed)?;
-    Ok((rays, baked))
+    let seed = args.seed.unwrap_or_else(drawn);
+    let (rays, watch) = (args.rays, Watch::none());
+    let mut claims = claims(table, &prepared, rays, seed, watch).map_err(failed)?;
+    claims.unchecked.splice(0..0, own);
+    Ok(Judged {
+        seed,
+        rays: retrace(table, &prepared, rays, seed, watch).map_err(failed)?,
+        baked: rebake(table, &prepared, watch).map_err(failed)?,
+        between: error_between(table, &prepared, seed).map_err(failed)?,
+        stated: from.direction_tolerance,
+        claims,
+    })
+}
+
+/// Returns the cell of a mesh with the edge length and azimuth 0 of a table, and which of them are
+/// not the mesh's own.
+fn loaded(
+    table: &Table,
+    mesh: &Path,
+    args: &CellArgs,
+    scene: &SceneOptions,
+) -> Result<(Cell, Vec<Unchecked>), Failure> {
+    let from = &table.provenance;
+    let own = args.load(mesh, scene).ok();
+    let own = match own {
+        Some(own)
+            if own.edge_length == from.edge_length
+                && own.azimuth_zero.to_array() == from.azimuth_zero =>
+        {
+            return Ok((own, Vec::new()));
+        }
+        own => own,
+    };
+    let [x, y, z] = from.azimuth_zero;
+    let cell = CellArgs {
+        edge_length: args.edge_length.or(Some(from.edge_length)),
+        azimuth_zero: (args.azimuth_zero.clone()).or(Some(format!("{x},{y},{z}"))),
+        lattice: args.lattice.clone(),
+        unit: args.unit.clone(),
+    }
+    .load(mesh, scene)?;
+    let mut unchecked = Vec::new();
+    if let Some(own) = own {
+        if (own.edge_length / cell.edge_length - 1.0).abs() > SAME {
+            unchecked.push(Unchecked {
+                attribute: "edge_length",
+                why: format!(
+                    "the numbers are compared for {}, but the mesh's own is {}: shifts and c are \
+                    in units of the first",
+                    cell.edge_length, own.edge_length
+                ),
+            });
+        }
+        if own.azimuth_zero.distance(cell.azimuth_zero) > SAME {
+            let [x, y, z] = own.azimuth_zero.to_array();
+            unchecked.push(Unchecked {
+                attribute: "azimuth_zero",
+                why: format!(
+                    "the numbers are compared for it, but the mesh's own is {x:.6},{y:.6},{z:.6}"
+                ),
+            });
+        }
+    }
+    Ok((cell, unchecked))
+}
+
+/// Returns a seed that nobody can know before: from the keys that the system gives to hash maps.
+///
+/// It has 32 bits, so that it can be typed.
+fn drawn() -> u64 {
+    RandomState::new().build_hasher().finish() >> 32
 }

@@ -2,7 +2,7 @@
 
 use crate::beams::exact;
 use crate::cell::{ExactCell, MEAN_ERROR};
-use crate::plan::Effort;
+use crate::plan::{Effort, Plan};
 use crate::run::bake::Bake;
 use crate::run::error::RunError;
 use crate::run::watch::Watch;
@@ -30,22 +30,27 @@ impl Bake<'_> {
         let baked =
             pool(self.plan.threads)?.install(|| exact::bake(exact, &self.axes, &self.rules, done));
         let baked = baked.ok_or(RunError::Stopped)?;
-        let provenance = Provenance {
-            seed: 0,
-            tolerance: if self.plan.is_azimuth_mean() {
-                MEAN_ERROR
-            } else {
-                0.0
-            },
-            shards: None,
-            // An exact table holds the direction of each path, whatever the options for rays are.
-            options: SceneOptions {
-                deviations: Record::Auto,
-                ..self.plan.scene
-            }
-            .into(),
-            ..self.provenance(Method::Exact, None)
-        };
+        let provenance = without_rays(self.plan, self.provenance(Method::Exact, None));
         Ok(baked.table(self.axes.clone(), provenance))
+    }
+}
+
+/// Returns the provenance of an exact table: options for rays have no effect on it.
+pub(crate) fn without_rays(plan: &Plan, provenance: Provenance) -> Provenance {
+    Provenance {
+        seed: 0,
+        tolerance: if plan.is_azimuth_mean() {
+            MEAN_ERROR
+        } else {
+            0.0
+        },
+        shards: None,
+        // An exact table holds the direction of each path, whatever the options for rays are.
+        options: SceneOptions {
+            deviations: Record::Auto,
+            ..plan.scene
+        }
+        .into(),
+        ..provenance
     }
 }

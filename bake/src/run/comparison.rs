@@ -5,14 +5,33 @@
 //! histogram: path by path, and where the paths are cut differently, by their regions. Exit
 //! directions are compared where at least one of the tables counted them.
 
+use crate::cell::MEAN_ERROR;
 use crate::run::cuts::uncut;
 use crate::run::exits::{ABSOLUTE, ExitGap, exits};
 use crate::run::paths::{SAME, apart};
-use ndarray::{Array2, s};
+use ndarray::{Array2, Axis, s};
 use tables::{Fate, Table};
 
-/// Number of standard errors by which two retroreflected fractions may differ.
-const SIGMAS: f64 = 4.0;
+/// Number of standard errors by which shares of random counts may differ. A normal variable is
+/// beyond them once in 1.7 million times.
+const SIGMAS: f64 = 5.0;
+
+/// Number of standard errors of random counts by which shares of low-discrepancy counts may differ.
+///
+/// The variance of a scrambled net in base 2 is at most e times that of random points (Owen 1997),
+/// and 5 sqrt(e) is 8.2. It holds by the standard error that their randomisations give too: of 16,
+/// Student's t with 15 degrees of freedom is beyond 8 once in a million times.
+const SIGMAS_OF_NETS: f64 = 8.2;
+
+/// Least number of randomisations whose standard error is taken.
+const KNOWN: usize = 16;
+
+/// Number of standard deviations beyond the mean that counting explains of an L1 distance; the
+/// bound is that of [`crate::run::exits`]: once in 65 million times.
+const SIGMAS_OF_L1: f64 = 6.0;
+
+/// Largest difference that rounding explains.
+const ROUNDING: f64 = 1e-9;
 
 /// Comparison of two tables with equal axes, direction by direction.
 pub struct Comparison {
@@ -34,6 +53,11 @@ pub struct Row {
     pub sigmas: f64,
     /// L1 distance that the counting errors of both tables explain.
     pub noise: f64,
+    /// Largest difference of what was counted, in units of what counting and rounding explain.
+    ///
+    /// Compared are eta, the share of every fate, and the histograms, as they are and with 2 x 2, 4
+    /// x 4 and more of their bins taken together. So few rays cannot hide a wrong distribution.
+    pub counted: f64,
     /// Difference of the light of two exact tables; `None` unless both have polygons of this
     /// direction.
     ///
@@ -72,9 +96,11 @@ impl Comparison {
     /// Compares two tables whose axes are known to be equal.
     pub(crate) fn of(a: &Table, b: &Table) -> Self {
         let row = |((i, j), &eta): ((usize, usize), &f64)| {
-            let (pa, pb) = (in_range(a, (i, j)), in_range(b, (i, j)));
-            let difference = (&pa - &pb).mapv(f64::abs);
-            let gap = (eta - b.retroreflected[[i, j]]).abs();
+            let at = (i, j);
+            let pairs = [in_range(a, at), in_range(b, at)];
+            let difference = (&pairs[0] - &pairs[1]).mapv(f64::abs);
+            let other = b.retroreflected[[i, j]];
+            let gap = (eta - other).abs();
             // Of random counts, a bin of probability p differs by [`ABSOLUTE`] sqrt(p/na + p/nb)
             // on average. Counts of a low-discrepancy sequence differ less.
             let share = |rays: u64| if rays == 0 { 0.0 } else { 1.0 / rays as f64 };
@@ -84,14 +110,14 @@ impl Comparison {
             let error = a.standard_error[[i, j]]
                 .hypot(b.standard_error[[i, j]])
                 .max(per_ray);
-            let root = |(&pa, &pb): (&f64, &f64)| (f64::midpoint(pa, pb) * per_ray).sqrt();
             Row {
                 incidence_deg: a.axes.incidence_deg[i],
                 azimuth_deg: a.axes.azimuth_deg[j],
                 l1: difference.sum(),
                 largest: difference.iter().copied().fold(0.0, f64::max),
                 sigmas: if gap <= 1e-12 { 0.0 } else { gap / error },
-                noise: ABSOLUTE * pa.iter().zip(&pb).map(root).sum::<f64>(),
+                noise: noise(&pairs, per_ray),
+                counted: Counting::new([a, b], at, per_ray).largest(&pairs),
                 paths: paths(a, b, (i, j)),
                 exits: exits(a, b, (i, j)),
             }
@@ -112,15 +138,115 @@ impl Comparison {
 impl Row {
     /// Returns whether the two tables agree in this direction.
     ///
-    /// They agree if the fractions are within 4 standard errors, the histograms within 1.5 times
-    /// the mean counting noise (or to 1e-9, where there is no noise), the exit directions within
-    /// [`ExitGap::limit`], and polygons to 1e-9.
+    /// They agree if [`Row::counted`] is at most 1, the exit directions are within
+    /// [`ExitGap::limit`], and polygons agree to 1e-9.
     pub fn agrees(&self) -> bool {
-        self.sigmas <= SIGMAS
-            && self.l1 <= 1.5 * self.noise + 1e-9
+        self.counted <= 1.0
             && self.paths.is_none_or(|apart| apart <= SAME)
             && self.exits.is_none_or(|gap| gap.l1 <= gap.limit)
     }
+}
+
+/// Differences of shares and histograms of two tables in one direction that counting explains.
+struct Counting<'a> {
+    tables: [&'a Table; 2],
+    at: (usize, usize),
+    /// Sum of 1 / rays of both tables.
+    per_ray: f64,
+    /// Difference that is explained without counting.
+    exact: f64,
+    /// Number of standard errors of random counts.
+    sigmas: f64,
+}
+
+impl<'a> Counting<'a> {
+    fn new(tables: [&'a Table; 2], at: (usize, usize), per_ray: f64) -> Self {
+        let random = |table: &Table| table.counts.is_none() || table.provenance.is_random();
+        let averaged = |table: &&Table| table.counts.is_none() && table.axes.is_mean();
+        Counting {
+            tables,
+            at,
+            per_ray,
+            exact: ROUNDING
+                + MEAN_ERROR * tables.iter().filter(|table| averaged(table)).count() as f64,
+            sigmas: match tables.into_iter().all(random) {
+                true => SIGMAS,
+                false => SIGMAS_OF_NETS,
+            },
+        }
+    }
+
+    /// Returns the largest difference in units of what is explained; `bins` are the probabilities
+    /// of both tables.
+    fn largest(&self, bins: &[Array2<f64>; 2]) -> f64 {
+        let [a, b] = self.tables;
+        let (i, j) = self.at;
+        let etas = [a, b].map(|table| table.retroreflected[[i, j]]);
+        let mut largest = (etas[0] - etas[1]).abs() / self.of_eta(etas);
+        for (&p, &q) in (a.fate.slice(s![i, j, ..]).iter()).zip(b.fate.slice(s![i, j, ..])) {
+            largest = largest.max((p - q).abs() / self.of(self.sigmas * self.error([p, q])));
+        }
+        let mut bins = bins.clone();
+        loop {
+            let l1 = (&bins[0] - &bins[1]).mapv(f64::abs).sum();
+            let mass = f64::midpoint(bins[0].sum(), bins[1].sum());
+            let beyond = SIGMAS_OF_L1 * (mass * self.per_ray).sqrt();
+            // Where a bin holds less than some rays, the mean distance is up to 1.14 times that of
+            // a normal variable.
+            largest = largest.max(l1 / self.of(1.5 * noise(&bins, self.per_ray) + beyond));
+            if !bins[0].nrows().is_multiple_of(2) {
+                return largest;
+            }
+            bins = bins.map(|bins| {
+                let quarter = |v, u| bins.slice(s![v..;2, u..;2]).to_owned();
+                quarter(0, 0) + quarter(0, 1) + quarter(1, 0) + quarter(1, 1)
+            });
+        }
+    }
+
+    /// Returns what is explained, if counting explains so much of it.
+    fn of(&self, counting: f64) -> f64 {
+        counting + self.per_ray + self.exact
+    }
+
+    /// Returns the standard error of the difference of two shares by random counts.
+    fn error(&self, shares: [f64; 2]) -> f64 {
+        let share = f64::midpoint(shares[0], shares[1]);
+        (share * (1.0 - share) * self.per_ray).max(0.0).sqrt()
+    }
+
+    /// Returns the difference of two eta that is explained.
+    fn of_eta(&self, etas: [f64; 2]) -> f64 {
+        let (i, j) = self.at;
+        let stated =
+            self.tables[0].standard_error[[i, j]].hypot(self.tables[1].standard_error[[i, j]]);
+        let known = |table: &Table| match &table.fate_counts {
+            None => true,
+            Some(_) if table.provenance.is_random() => true,
+            Some(fates) => {
+                let each = fates.slice(s![i, j, .., ..]);
+                each.axis_iter(Axis(0))
+                    .filter(|fates| fates.sum() > 0)
+                    .count()
+                    >= KNOWN
+            }
+        };
+        let random = self.error(etas);
+        let error = match self.tables.iter().all(|table| known(table)) {
+            true => stated.min(random),
+            false => random,
+        };
+        self.of(self.sigmas * error)
+    }
+}
+
+/// Returns the L1 distance of the probabilities of bins that counting explains on average.
+fn noise(bins: &[Array2<f64>; 2], per_ray: f64) -> f64 {
+    let pairs = bins[0].iter().zip(&bins[1]);
+    ABSOLUTE
+        * pairs
+            .map(|(&p, &q)| (f64::midpoint(p, q) * per_ray).sqrt())
+            .sum::<f64>()
 }
 
 /// Returns the probability per launched ray of each bin, `[v, u]`.

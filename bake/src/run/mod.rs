@@ -1,13 +1,15 @@
 //! The bake: a prepared cell and a plan become a table, on all threads and ranks.
 //!
-//! [`trace::trace`] does the whole bake. [`retrace::retrace`] checks a table against its mesh, and
-//! [`comparison::Comparison`] compares two tables. A [`watch::Watch`] is told the progress and can
-//! stop the bake. This room may touch `rays`, `beams` and all below. It prints nothing. Only its
-//! file `saves` knows the disk, and only `world` knows MPI.
+//! [`trace::trace`] does the whole bake. [`retrace::retrace`] checks the numbers of a table against
+//! its mesh, [`claims::claims`] what it says about its bake. [`comparison::Comparison`] compares two
+//! tables. A [`watch::Watch`] is told the progress and can stop the bake. This room may touch
+//! `rays`, `beams` and all below. It prints nothing. Only its file `saves` knows the disk, and only
+//! `world` knows MPI.
 
 mod bake;
 mod beams;
 mod between;
+mod claims;
 mod comparison;
 mod cuts;
 mod directions;
@@ -30,15 +32,15 @@ mod world;
 
 pub(crate) use bake::Bake;
 pub(crate) use between::Between;
+pub use claims::{Claims, Contradiction, Unchecked, claims};
 pub use comparison::{Comparison, Row};
 pub use error::RunError;
 pub use exits::ExitGap;
 pub use paths::{Forged, consistent};
-pub(crate) use provenance::stated;
 #[cfg(test)]
 pub(crate) use ranks::Alone;
 pub(crate) use ranks::Ranks;
-pub use retrace::{RetraceError, rebake, retrace};
+pub use retrace::{RetraceError, error_between, rebake, retrace};
 pub(crate) use saves::{SavedFile, Saves};
 pub(crate) use start::Launched;
 pub use trace::trace;

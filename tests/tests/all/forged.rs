@@ -311,3 +311,311 @@ fn exit_directions_of_polygons_and_rays_are_compared() {
     }
     println!("{compared} directions compared, the largest at {largest:.2} of the limit");
 }
+
+/// Returns what `bake verify --mesh --json` said of a table, and its exit code.
+fn judged(here: &Path, table: &str, mesh: &str, more: &[&str]) -> (Option<i32>, serde_json::Value) {
+    let words = ["verify", table, "--mesh", mesh, "--rays", "65536", "--json"];
+    let run = bake(here, &[&words[..], more].concat());
+    let said = serde_json::from_str(&run.out);
+    let said = said.unwrap_or_else(|_| serde_json::Value::String(run.err));
+    (run.code, said)
+}
+
+/// Names of the attributes that `bake verify` lists under `key`.
+fn listed(said: &serde_json::Value, key: &str) -> Vec<String> {
+    let all = said[key].as_array().into_iter().flatten();
+    let names = all.map(|one| one["attribute"].as_str().unwrap().to_owned());
+    names.collect()
+}
+
+/// Stretches the counted shifts of a direction by 1/1.5: the number in each bin goes to the bin at
+/// two thirds of its place.
+fn stretched(table: &mut Table, i: usize, j: usize) {
+    let bins = table.axes.bins;
+    let mut counts = table.counts.clone().unwrap();
+    let half = 0.5 * bins as f64;
+    let to = |k: usize| ((k as f64 + 0.5 - half) / 1.5 + half) as usize;
+    for r in 0..counts.shape()[2] {
+        let mut moved = vec![vec![0; bins]; bins];
+        for (v, u) in (0..bins).flat_map(|v| (0..bins).map(move |u| (v, u))) {
+            moved[to(v)][to(u)] += counts[[i, j, r, v, u]];
+        }
+        for (v, row) in moved.iter().enumerate() {
+            for (u, &rays) in row.iter().enumerate() {
+                counts[[i, j, r, v, u]] = rays;
+            }
+        }
+    }
+    let (fates, from) = (table.fate_counts.clone(), table.provenance.clone());
+    *table = Table::from_counts(table.axes.clone(), counts, fates.unwrap(), from);
+}
+
+/// Tables of counts whose shifts are stretched in some directions: the seed of the check cannot be
+/// known before, so those that an earlier check left out are no better; and where the exact method
+/// takes the cell, one direction of ten is noticed too.
+#[test]
+fn stretched_directions_are_noticed_wherever_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let rays = |n| ["--method", "rays", "--rays", n, "--bins", "64"];
+    let mut cases = 0;
+    // 2,000 rays have more noise in their bins than light, but not in bins taken together.
+    for n in ["262144", "2000"] {
+        let made = bake_table_with(here, "triangular-pair", "0:45:5", "30", &rays(n));
+        let honest = tables::read(&here.join(&made)).unwrap();
+        let mesh = "triangular-pair.obj";
+        for seed in ["1", "2", "3"] {
+            let (code, said) = judged(here, &made, mesh, &["--seed", seed]);
+            assert_eq!(
+                (code, &said["exact_bake_agrees"]),
+                (Some(0), &true.into()),
+                "{said}"
+            );
+            assert_eq!(said["directions_baked"], 10);
+        }
+        // The directions that the seed 1 left out, all of them and one.
+        for which in [&[0, 1, 2, 4, 5, 7][..], &[4]] {
+            let mut table = honest.clone();
+            which.iter().for_each(|&i| stretched(&mut table, i, 0));
+            tables::write(&table, &here.join("forged.h5")).unwrap();
+            let (code, said) = judged(here, "forged.h5", mesh, &[]);
+            assert_eq!(
+                (code, &said["exact_bake_agrees"]),
+                (Some(1), &false.into()),
+                "{said}"
+            );
+            cases += 1;
+        }
+    }
+    // Facets that stand for curved ones: rays look at all directions.
+    let curved = [
+        "design",
+        "triangular-pair",
+        "--sag",
+        "0.0002",
+        "--segments",
+        "4",
+        "-o",
+        "curved.glb",
+    ];
+    let curved = bake(here, &curved);
+    assert_eq!(curved.code, Some(0), "{}", curved.err);
+    let trace = [
+        "trace",
+        "curved.glb",
+        "-o",
+        "curved.h5",
+        "--normals",
+        "file",
+        "--method",
+        "rays",
+        "--incidence",
+        "0:45:5",
+        "--azimuth",
+        "30",
+        "--rays",
+        "65536",
+        "--bins",
+        "64",
+        "--refractive-index",
+        "1.49",
+    ];
+    bake(here, &trace).done();
+    let (code, said) = judged(here, "curved.h5", "curved.glb", &[]);
+    assert_eq!(
+        (code, &said["directions_traced"]),
+        (Some(0), &10.into()),
+        "{said}"
+    );
+    let mut table = tables::read(&here.join("curved.h5")).unwrap();
+    let exits = table.deviations.take();
+    assert!(exits.is_some());
+    tables::write(&table, &here.join("forged.h5")).unwrap();
+    let (code, said) = judged(here, "forged.h5", "curved.glb", &[]);
+    assert_eq!(
+        (code, listed(&said, "contradictions")),
+        (Some(1), vec!["group deviation".into()])
+    );
+    cases += 1;
+    println!("{cases} forgeries");
+}
+
+/// Each change of what a table says about its bake is refused, or listed as not checked.
+#[test]
+fn what_a_table_says_is_checked_or_listed() {
+    use tables::Fate;
+    use tables::options::{Back, Method, Word};
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let options = ["--bins", "32", "--direction-tolerance", "0.02"];
+    let made = bake_table_with(here, "full-cube", "0,15", "0,30", &options);
+    let mesh = "full-cube.obj";
+    let honest = tables::read(&here.join(&made)).unwrap();
+    let (code, said) = judged(here, &made, mesh, &[]);
+    assert_eq!(code, Some(0), "{said}");
+    let texts = "frame, azimuths, units, long_name";
+    // Below 18.9 degrees bare facets of index 1.49 reflect all light, as mirrors do.
+    assert_eq!(listed(&said, "unchecked"), ["back", texts]);
+    assert!(said["error_between"].as_f64().unwrap() <= 0.02);
+    let seed = said["seed"].as_u64().unwrap().to_string();
+    assert_eq!(
+        judged(here, &made, mesh, &["--seed", &seed]),
+        (code, said.clone())
+    );
+    assert_ne!(judged(here, &made, mesh, &[]).1["seed"], said["seed"]);
+
+    // How a change is found: by the attribute that contradicts the mesh, by a comparison that
+    // fails, by a sentence, or only as listed.
+    enum By {
+        Attribute(&'static str),
+        Comparison,
+        Word(&'static str),
+        Listed(&'static str),
+    }
+    use By::{Attribute, Comparison, Listed};
+    let unknown = "of-a-later-version";
+    let changes: [(Change, By); 25] = [
+        (
+            |t| t.provenance.method = Word::Other("zzz".into()),
+            By::Word("zzz"),
+        ),
+        (
+            |t| t.provenance.back = Word::Other("of-a-later-version".into()),
+            By::Word(unknown),
+        ),
+        (
+            |t| t.provenance.losses = Word::Other("of-a-later-version".into()),
+            By::Word(unknown),
+        ),
+        (
+            |t| t.provenance.options = "--of-a-later-version 3".into(),
+            By::Word(unknown),
+        ),
+        (|t| t.provenance.reflectance = 0.5, Attribute("reflectance")),
+        (
+            |t| t.provenance.metal_index = Some([0.97, 6.5]),
+            Attribute("metal_index"),
+        ),
+        (|t| t.provenance.tolerance = 1e-3, Attribute("tolerance")),
+        (|t| t.provenance.seed = 7, Attribute("seed")),
+        (
+            |t| t.provenance.edge_length_unit = "mm".into(),
+            Attribute("edge_length_unit"),
+        ),
+        (
+            |t| t.provenance.azimuth_zero = [2.0, 0.0, 0.0],
+            Attribute("azimuth_zero"),
+        ),
+        (|t| t.provenance.lattice = None, Attribute("lattice")),
+        (
+            |t| t.provenance.lattice.as_mut().unwrap()[0][0] *= 1.001,
+            Attribute("lattice"),
+        ),
+        (
+            |t| t.provenance.direction_tolerance = Some(1e-6),
+            Comparison,
+        ),
+        (|t| t.provenance.refractive_index = 1.5, Comparison),
+        (|t| t.provenance.edge_length *= 1.1, Attribute("lattice")),
+        (
+            |t| t.provenance.angular_tolerance_deg = 1e-9,
+            Listed("back"),
+        ),
+        (|t| t.provenance.back = Back::Tir.into(), Listed("back")),
+        (
+            |t| t.provenance.wavelength_nm = Some(550.0),
+            Listed("wavelength_nm"),
+        ),
+        (|t| t.provenance.design = "canted".into(), Listed("design")),
+        (
+            |t| t.provenance.mesh_hash = "00ff".repeat(16),
+            Listed("mesh_hash"),
+        ),
+        (
+            |t| t.provenance.generator = "bake 0.1.0".into(),
+            Listed("generator"),
+        ),
+        (
+            |t| t.exact.as_mut().unwrap().paths[1][0].passes = 1,
+            Comparison,
+        ),
+        (
+            |t| {
+                let paths = t.exact.as_mut().unwrap().paths.iter_mut().flatten();
+                paths.for_each(|path| path.jones = Some([[[1.0, 0.0]; 2]; 2]));
+            },
+            Comparison,
+        ),
+        (
+            |t| {
+                t.fate[[1, 0, Fate::LeftAfter1 as usize]] += 1e-3;
+                t.fate[[1, 0, Fate::LeftAfter2 as usize]] -= 1e-3;
+            },
+            Comparison,
+        ),
+        (
+            |t| t.exact.as_mut().unwrap().paths[1].reverse(),
+            Listed("back"),
+        ),
+    ];
+    assert!(honest.provenance.method.is(Method::Exact));
+    let mut kinds = [0; 4];
+    for (k, (change, by)) in changes.iter().enumerate() {
+        let mut table = honest.clone();
+        change(&mut table);
+        tables::write(&table, &here.join("forged.h5")).unwrap();
+        let (code, said) = judged(here, "forged.h5", mesh, &[]);
+        let wrong = listed(&said, "contradictions");
+        match by {
+            Attribute(name) => {
+                assert_eq!(
+                    (code, wrong),
+                    (Some(1), vec![(*name).into()]),
+                    "{k}: {said}"
+                );
+                kinds[0] += 1;
+            }
+            Comparison => {
+                assert_eq!((code, wrong.len()), (Some(1), 0), "{k}: {said}");
+                assert!(said.is_object(), "{k}: {said}");
+                kinds[1] += 1;
+            }
+            By::Word(word) => {
+                assert_eq!(code, Some(1), "{k}");
+                assert!(said.as_str().unwrap().contains(word), "{k}: {said}");
+                let alone = bake(here, &["verify", "forged.h5"]);
+                assert_eq!(alone.code, Some(1), "{k}: {}", alone.out);
+                kinds[2] += 1;
+            }
+            Listed(name) => {
+                assert_eq!(code, Some(0), "{k}: {said}");
+                let listed = listed(&said, "unchecked");
+                assert!(listed.iter().any(|one| one == name), "{k}: {said}");
+                kinds[3] += 1;
+            }
+        }
+    }
+    assert_eq!(kinds, [9, 5, 4, 7]);
+
+    // A table in another unit of length than the mesh's own is right in its own unit, and that is
+    // said.
+    let scaled = [
+        "trace",
+        mesh,
+        "-o",
+        "scaled.h5",
+        "--edge-length",
+        "3.15",
+        "--refractive-index",
+        "1.49",
+        "--bins",
+        "16",
+    ];
+    bake(here, &scaled).done();
+    let (code, said) = judged(here, "scaled.h5", mesh, &[]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(
+        listed(&said, "unchecked").contains(&"edge_length".into()),
+        "{said}"
+    );
+}
