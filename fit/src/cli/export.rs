@@ -77,6 +77,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         r_mm: arguments.distance,
     };
     terminal::warn(remarks(&result, &table, &[place])?);
+    terminal::warn(arguments.to.draft().map(String::from));
     terminal::warn([format!("{LOST}. {}", lobe.criterion())]);
     Ok(terminal::deliver(&lobe.text(arguments.to), output)?)
 }

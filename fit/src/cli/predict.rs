@@ -15,7 +15,7 @@ use crate::cli::parse;
 use crate::names::{Family, Kernel};
 #[cfg(feature = "report")]
 use crate::predict::{Around, around};
-use crate::predict::{Axis, Places, Prediction, Viewpoint, predict, remarks};
+use crate::predict::{Axis, Fitted, Places, Prediction, Viewpoint, between, predict, remarks};
 #[cfg(feature = "report")]
 use crate::report::Variable;
 #[cfg(feature = "report")]
@@ -284,7 +284,9 @@ pub(super) fn predicted(
     if arguments.azimuth.is_some() && table.axes.is_mean() {
         warnings.push("the table is a mean over azimuths: --azimuth has no effect".into());
     }
-    warnings.extend(interpolated(&predictions, table));
+    let interpolated = predictions.iter().filter(|own| own.interpolated);
+    let interpolated = interpolated.map(|own| (own.incidence_deg, own.retroreflected));
+    warnings.extend(between(&Fitted::new(result, table)?, interpolated));
     if predictions.iter().all(|own| own.retroreflected == 0.0) {
         warnings.push(
             "nothing is returned at any of these places: the table's cell sends no light straight \
@@ -298,24 +300,6 @@ pub(super) fn predicted(
         #[cfg(feature = "report")]
         around: polar,
         warnings,
-    })
-}
-
-/// Returns a warning about directions between those of the table, unless the table bounds that
-/// error.
-fn interpolated(predictions: &[Prediction], table: &Table) -> Option<String> {
-    let mut between: Vec<String> = predictions
-        .iter()
-        .filter(|p| p.interpolated && table.provenance.direction_tolerance.is_none())
-        .map(|p| p.incidence_deg.to_string())
-        .collect();
-    between.dedup();
-    (!between.is_empty()).then(|| {
-        format!(
-            "the prediction at incidence {} deg is interpolated between directions of the table, \
-            which costs accuracy (`bake trace` says how much); bake these directions",
-            between.join(", ")
-        )
     })
 }
 

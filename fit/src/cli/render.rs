@@ -412,7 +412,9 @@ pub(super) fn rendered(
     let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
     let looked = looked(arguments, sheet, source, view.as_ref(), watch)?;
     let (seen, reduced, pitch_mm) = looked;
-    let mut warnings = of_image(source, &seen, table);
+    let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
+    let mut warnings = remarks(result, table, &places)?;
+    warnings.extend(of_image(source, &seen, sheet));
     warnings.extend(
         reduced
             .as_ref()
@@ -421,8 +423,6 @@ pub(super) fn rendered(
     let source = reduced.as_ref().unwrap_or(source);
     let width_mm = source.width as f64 * pitch_mm;
     warnings.extend((arguments.distance).and_then(|distance| spacious(width_mm, distance)));
-    let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
-    warnings.extend(remarks(result, table, &places)?);
     warnings.extend(beyond_the_rim(source, &seen));
     let mut image = seen.image;
     let contrast = (ambient > 0.0).then(|| Contrast {

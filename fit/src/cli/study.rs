@@ -203,7 +203,7 @@ pub(super) fn text(arguments: &Arguments, host: Host<'_>) -> Result<String, Fail
             let start = Instant::now();
             let scene = pool.install(|| Scene::load(&campaign, &table))?;
             let seconds = start.elapsed().as_secs_f64();
-            let (open, _) = open.possible(&scene, captures)?;
+            let (open, _) = open.possible(&scene, &table, captures)?;
             let study = pool.install(|| photographs(&scene, seconds, &open))?;
             #[cfg(feature = "report")]
             if let Some((path, output)) = picture {

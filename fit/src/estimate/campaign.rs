@@ -22,7 +22,8 @@ use crate::estimate::suspects::{OtherTable, Search, Suspect};
 use crate::estimate::trusted::{Doubted, Trusted};
 use crate::estimate::verdict;
 use crate::estimate::watch::Watch;
-use crate::names::Spectrum;
+use crate::model::wave;
+use crate::names::{Kernel, Spectrum};
 use crate::numerics::Stop;
 use crate::photographs::Campaign;
 use crate::photographs::photo::channel::Channel;
@@ -176,7 +177,7 @@ pub fn campaign(
         let (found, turned) = azimuth::find(&scene, table, choice, watch)?;
         (azimuth, scene) = (Some(found), turned);
     }
-    let (candidates, left_out) = candidates.possible(&scene, &campaign.file)?;
+    let (candidates, left_out) = candidates.possible(&scene, table, &campaign.file)?;
     let Fitted {
         mut best,
         compared,
@@ -195,7 +196,11 @@ pub fn campaign(
             manifest: campaign.file.clone(),
         });
     }
-    let mut warnings = scene.warnings.clone();
+    let mut warnings = match (best.choice.kernel, &scene.spectrum, best.c_mm) {
+        (Kernel::Wave, Some(spectrum), Some(c)) => wave::remarks(table, spectrum, c.value),
+        _ => Vec::new(),
+    };
+    warnings.extend(scene.warnings.iter().cloned());
     if campaign.setup.seen_in_mirror.is_none() {
         warnings.extend(match &azimuth {
             None => mirror::unstated(&scene, table, kind, &best)?,

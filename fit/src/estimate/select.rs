@@ -13,6 +13,7 @@
 use std::path::Path;
 
 use nalgebra::{DMatrix, DVector};
+use tables::Table;
 
 use crate::estimate::choice::Choice;
 use crate::estimate::error::{Conflict, Error};
@@ -89,7 +90,8 @@ impl Candidates {
 
     /// Returns the candidates that the photographs and the table allow, with warnings.
     ///
-    /// `wave` needs wavelengths and polygons. A warning says why it is left out if wavelengths are
+    /// `wave` needs wavelengths and polygons. It is scalar, so of cubes that reflect totally it is
+    /// taken only if it is the only kernel. A warning says why it is left out if wavelengths are
     /// given. `saito-surface` needs a front face. It is left out without a warning.
     ///
     /// # Errors
@@ -98,6 +100,7 @@ impl Candidates {
     pub fn possible(
         &self,
         scene: &Scene,
+        table: &Table,
         manifest: &Path,
     ) -> Result<(Candidates, Vec<String>), Error> {
         let (mut candidates, mut warnings) = (self.clone(), Vec::new());
@@ -129,6 +132,18 @@ impl Candidates {
                     "the wave kernel is not among the candidates: {fault}"
                 ));
             }
+        }
+        if candidates.kernels.contains(&Kernel::Wave)
+            && candidates.kernels.len() > 1
+            && wave::polarises(table)
+        {
+            candidates.kernels.retain(|&kernel| kernel != Kernel::Wave);
+            warnings.push(
+                "the wave kernel is not among the candidates: it is scalar, and the cubes of the \
+                table reflect totally (back tir), which turns the polarisation of light; bake a \
+                metal back if the sheet has one"
+                    .into(),
+            );
         }
         Ok((candidates, warnings))
     }

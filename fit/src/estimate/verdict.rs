@@ -85,7 +85,8 @@ fn unused_distances(scene: &Scene, kernel: Kernel) -> Option<String> {
 /// Returns a warning if light would have to have an impossible wavelength.
 ///
 /// An aperture of width c spreads light of the wavelength lambda so that A = a R is about pi c /
-/// lambda. (The published fits of Sugawara and Koizumi, a R = 735 at c = 0.08 mm, give 0.34 um.)
+/// lambda. (The published fits of Sugawara and Koizumi, a R = 735, give 0.34 um if their c of 0.08
+/// mm is an edge, and 0.59 um if it is the depth of the cubes.)
 /// Rough facets spread light more, so lambda may come out several times too large. Distances in
 /// another unit than mm change it by a factor of 10 or more, and no misfit tells of them.
 fn unlike_diffraction(scene: &Scene, best: &Estimate) -> Option<String> {

@@ -150,7 +150,7 @@ struct Data<'a> {
     places: usize,
     misfit: [f64; 2],
     goal: f64,
-    warnings: &'a [String],
+    warnings: Vec<String>,
     source: Option<[String; 2]>,
     version: &'static str,
 }
@@ -235,7 +235,7 @@ fn data<'a>(explorer: &'a Explorer<'_>, grid: &'a Grid, misfit: Misfit, places: 
         places,
         misfit: [misfit.pixel, misfit.peak],
         goal: search::WANTED,
-        warnings: &result.warnings,
+        warnings: explorer.sheet.warnings(""),
         source: explorer.source.as_ref().map(|source| {
             let address = format!("data:image/png;base64,{}", STANDARD.encode(&source.png));
             [source.name.clone(), address]

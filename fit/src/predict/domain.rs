@@ -95,9 +95,9 @@ pub(crate) fn outside(domain: &Domain, symmetry: Symmetry, place: &Viewpoint) ->
     keys.collect()
 }
 
-/// Returns remarks on predictions at some places, one sentence each: the warnings of the result,
-/// the quantities in which the places lie outside of the photographs, and what an older result does
-/// not say.
+/// Returns remarks on predictions at some places, one sentence each: the warnings of the result
+/// (those about waves first), the quantities in which the places lie outside of the photographs,
+/// and what an older result does not say.
 ///
 /// # Errors
 /// Returns an error if the table lacks the first place, or if the result lacks a parameter there.
@@ -106,12 +106,11 @@ pub(crate) fn remarks(
     table: &Table,
     places: &[Viewpoint],
 ) -> Result<Vec<String>, Error> {
-    let own = result.warnings.iter();
-    let mut remarks: Vec<String> = if result.is_by_hand() {
-        own.cloned().collect()
-    } else {
-        own.map(|w| format!("the result warns: {w}")).collect()
+    let before = match result.is_by_hand() {
+        true => "",
+        false => "the result warns: ",
     };
+    let mut remarks = Fitted { result, table }.warnings(before);
     if let (true, Some(baked), Some(source)) = (
         result.is_by_hand(),
         table.provenance.wavelength_nm,
@@ -169,6 +168,49 @@ fn too_coarse(sheet: &Fitted<'_>, places: &[Viewpoint]) -> Result<Option<String>
         all.fold(0.0, f64::max)
     };
     Ok(bins.too_coarse(place.r_mm, along))
+}
+
+/// Share of returned light above which the own tables of nominal sheets err by less than 1 %
+/// between their directions. A test bakes many directions between them.
+const LIT: f64 = 0.01;
+
+/// Relative error of a luminance from which on a remark names it.
+const LOUD: f64 = 0.05;
+
+/// Returns a remark on places between the directions of the table, unless the luminance is known
+/// well there. Each is given by its incidence, degrees, and the share of light that returns.
+pub(crate) fn between(
+    sheet: &Fitted<'_>,
+    places: impl IntoIterator<Item = (f64, f64)>,
+) -> Option<String> {
+    let Fitted { result, table } = sheet;
+    let own = result.is_nominal() && result.table.content_hash == table.content_hash();
+    let tolerance = table.provenance.direction_tolerance.filter(|_| !own);
+    let is_bad = |&(_, share): &(f64, f64)| match tolerance {
+        // A total variation of t allows an error of 2 t of the share.
+        Some(tolerance) => 2.0 * tolerance > LOUD * share,
+        None => !own || share < LIT,
+    };
+    let bad: Vec<(f64, f64)> = places.into_iter().filter(is_bad).collect();
+    let least = bad.iter().map(|&(_, share)| share).reduce(f64::min)?;
+    let mut at: Vec<String> = bad.iter().map(|(at, _)| at.to_string()).collect();
+    at.dedup();
+    let said = match tolerance {
+        Some(tolerance) => format!(
+            ", which allows an error of {tolerance} of all light (total variation), and only \
+            {least:.2e} returns: the luminance may err by {:.0} %",
+            (200.0 * tolerance / least).min(100.0)
+        ),
+        None if own => format!(
+            ", and only {least:.1e} of the light returns: the luminance may err by more than 1 %"
+        ),
+        None => ", which costs accuracy (`bake trace` says how much)".to_owned(),
+    };
+    Some(format!(
+        "the prediction at incidence {} deg is interpolated between directions of the table{said}; \
+        bake these directions",
+        at.join(", ")
+    ))
 }
 
 /// Returns a remark if numbers that no photograph gave are taken beyond their incidences.

@@ -23,12 +23,30 @@ use crate::result::{Domain, ResultFile};
 /// File form of a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Form {
-    /// open_pbr_surface with specular_retroreflectivity (OpenPBR 1.2), as MaterialX
+    /// open_pbr_surface with specular_retroreflectivity (OpenPBR 1.2, draft), as MaterialX
     Openpbr,
     /// generalized_schlick_bsdf with retroreflective (MaterialX 1.39.5)
     Materialx,
     /// KHR_materials_retroreflection (draft)
     Gltf,
+}
+
+impl Form {
+    /// Returns what must be known of a form that is a draft.
+    pub(crate) fn draft(self) -> Option<&'static str> {
+        match self {
+            Form::Openpbr => Some(
+                "specular_retroreflectivity is of OpenPBR 1.2, a draft which no released library \
+                declares yet (MaterialX 1.39.5 has OpenPBR 1.1, and renders a plain mirror); --to \
+                materialx writes the same lobe for it",
+            ),
+            Form::Materialx => None,
+            Form::Gltf => Some(
+                "KHR_materials_retroreflection is a draft of Khronos, which viewers do not know \
+                yet: they show a plain metal",
+            ),
+        }
+    }
 }
 
 /// Retroreflective lobe that is nearest to a sheet, and the place where it was compared.

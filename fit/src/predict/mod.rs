@@ -11,7 +11,7 @@ mod interval;
 mod prediction;
 mod sheet;
 
-pub(crate) use domain::{NEAR_MM, Viewpoint, remarks};
+pub(crate) use domain::{NEAR_MM, Viewpoint, between, remarks};
 pub(crate) use error::Error;
 #[cfg(test)]
 pub(crate) use export::Nearest;

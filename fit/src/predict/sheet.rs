@@ -4,7 +4,7 @@ use tables::{Direction, Table};
 
 use crate::document::Bounds;
 use crate::model::Blur;
-use crate::model::baseline;
+use crate::model::{baseline, wave};
 use crate::names::Kernel;
 use crate::names::ParameterKind;
 use crate::predict::error::Error;
@@ -47,6 +47,22 @@ impl<'a> Fitted<'a> {
             given: name(&given),
             differs: result.table.difference(&given),
         })
+    }
+
+    /// Returns the warnings of the result, each with `before` in front of it.
+    ///
+    /// What must be known of its waves comes first, also for a result that does not say it.
+    pub(crate) fn warnings(&self, before: &str) -> Vec<String> {
+        let Fitted { result, table } = self;
+        let c_mm = result.c_mm.as_ref().and_then(|c| c.value);
+        let mut warnings = match (result.kernel, &result.wavelength_nm, c_mm) {
+            (Kernel::Wave, Some(spectrum), Some(c_mm)) => wave::remarks(table, spectrum, c_mm),
+            _ => Vec::new(),
+        };
+        let others = result.warnings.iter().filter(|own| !warnings.contains(own));
+        let others: Vec<String> = others.map(|own| format!("{before}{own}")).collect();
+        warnings.extend(others);
+        warnings
     }
 
     /// Returns spread and corner size at an incidence, or the roughnesses of a baseline.

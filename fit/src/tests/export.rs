@@ -136,6 +136,22 @@ fn materials_say_where_the_sheet_was_measured() {
     }
 }
 
+/// What no released library declares is said, and of the other form nothing is.
+#[test]
+fn drafts_are_named() {
+    assert!(
+        Form::Openpbr
+            .draft()
+            .is_some_and(|said| said.contains("OpenPBR 1.2"))
+    );
+    assert!(
+        Form::Gltf
+            .draft()
+            .is_some_and(|said| said.contains("draft"))
+    );
+    assert_eq!(Form::Materialx.draft(), None);
+}
+
 #[test]
 fn every_form_says_roughness_reflectance_and_what_is_lost() {
     let table = table();

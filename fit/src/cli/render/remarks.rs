@@ -1,13 +1,12 @@
 //! Warnings about an image that was rendered.
 
-use tables::Table;
-
 use crate::cli::render::facts::range;
 use crate::cli::render::seen::Seen;
 use crate::photographs::photo::picture::{Picture, Writing};
+use crate::predict::{Fitted, between};
 
 /// Returns the warnings about the source and its blur.
-pub(super) fn of_image(source: &Picture, seen: &Seen, table: &Table) -> Vec<String> {
+pub(super) fn of_image(source: &Picture, seen: &Seen, sheet: &Fitted<'_>) -> Vec<String> {
     let mut warnings = source.warnings.clone();
     let spots = &seen.spots;
     let [low, high] = range(spots, |spot| spot.place.incidence_deg);
@@ -31,12 +30,12 @@ pub(super) fn of_image(source: &Picture, seen: &Seen, table: &Table) -> Vec<Stri
             "nothing is returned at incidence {at}: the image is black"
         ));
     }
-    let bounded = table.provenance.direction_tolerance.is_some();
-    if low == high && !bounded && spots.iter().any(|spot| spot.interpolated) {
-        warnings.push(format!(
-            "the blur at incidence {at} is interpolated between directions of the table, which \
-            costs accuracy (`bake trace` says how much); bake this direction"
-        ));
+    if let [spot] = &spots[..]
+        && spot.interpolated
+    {
+        let direction = (sheet.table).direction(spot.place.incidence_deg, spot.place.azimuth_deg);
+        let share = direction.ok().map(|own| (low, own.retroreflected));
+        warnings.extend(share.and_then(|place| between(sheet, [place])));
     }
     if seen.transfer_error > 1e-3 {
         warnings.push(format!(
