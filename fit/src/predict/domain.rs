@@ -192,17 +192,23 @@ pub(crate) fn between(
         None => !own || share < LIT,
     };
     let bad: Vec<(f64, f64)> = places.into_iter().filter(is_bad).collect();
-    let least = bad.iter().map(|&(_, share)| share).reduce(f64::min)?;
-    let mut at: Vec<String> = bad.iter().map(|(at, _)| at.to_string()).collect();
+    let least = bad
+        .iter()
+        .map(|&(_, share)| share)
+        .reduce(f64::min)?
+        .max(0.0);
+    let mut at: Vec<f64> = bad.iter().map(|&(at, _)| at).collect();
+    at.sort_by(f64::total_cmp);
     at.dedup();
+    let at: Vec<String> = at.iter().map(f64::to_string).collect();
     let said = match tolerance {
         Some(tolerance) => format!(
             ", which allows an error of {tolerance} of all light (total variation), and only \
-            {least:.2e} returns: the luminance may err by {:.0} %",
+            {least:.4} returns: the luminance may err by {:.0} %",
             (200.0 * tolerance / least).min(100.0)
         ),
         None if own => format!(
-            ", and only {least:.1e} of the light returns: the luminance may err by more than 1 %"
+            ", and only {least:.4} of the light returns: the luminance may err by more than 1 %"
         ),
         None => ", which costs accuracy (`bake trace` says how much)".to_owned(),
     };
