@@ -350,21 +350,26 @@ fn append(
                 .iter()
                 .map(|step| x * step.x + y * step.y + z * step.z),
         );
-        // Keep the decimal digits that were typed: 1.49, not the f32 next to it.
-        let typed = |index: f32| index.to_string().parse().unwrap_or(f64::from(index));
-        mesh.refractive_index = mesh
-            .refractive_index
-            .or(primitive.material().ior().map(typed));
-        let dispersion = primitive
-            .material()
-            .extension_value("KHR_materials_dispersion")
-            .and_then(|extension| extension.get("dispersion"))
-            .and_then(Value::as_f64);
-        // The value 0 stands for no dispersion.
-        let abbe = dispersion.filter(|d| *d > 0.0).map(|d| 20.0 / d);
-        mesh.abbe_number = mesh.abbe_number.or(abbe);
+        material(&primitive, mesh);
     }
     Ok(())
+}
+
+/// Takes index and Abbe number of a primitive's material, unless an earlier one gave them.
+fn material(primitive: &::gltf::Primitive<'_>, mesh: &mut Mesh) {
+    // Keep the decimal digits that were typed: 1.49, not the f32 next to it.
+    let typed = |index: f32| index.to_string().parse().unwrap_or(f64::from(index));
+    mesh.refractive_index = mesh
+        .refractive_index
+        .or(primitive.material().ior().map(typed));
+    let dispersion = primitive
+        .material()
+        .extension_value("KHR_materials_dispersion")
+        .and_then(|extension| extension.get("dispersion"))
+        .and_then(Value::as_f64);
+    // The value 0 stands for no dispersion.
+    let abbe = dispersion.filter(|d| *d > 0.0).map(|d| 20.0 / d);
+    mesh.abbe_number = mesh.abbe_number.or(abbe);
 }
 
 /// Returns the normals of a primitive's vertices in the scene.
