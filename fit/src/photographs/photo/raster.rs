@@ -239,19 +239,33 @@ fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Refuses a JPEG that is not whole.
+/// Refuses a JPEG that is not whole, and a PNG whose pixels do not agree with their Adler-32, which
+/// the decoder of the crate image passes over.
 fn whole(path: &Path, format: Format) -> Result<Whole, Error> {
-    if format != Format::Jpeg {
-        return Ok(Whole::default());
-    }
-    let bytes = bytes_of(path).map_err(|source| Error::Io {
+    let io = |source| Error::Io {
         file: path.to_owned(),
         source,
-    })?;
-    jpeg::check(&bytes).map_err(|reason| Error::CutShort {
+    };
+    let checked = match format {
+        Format::Jpeg => jpeg::check(&bytes_of(path).map_err(io)?),
+        Format::Png => agrees(BufReader::new(open(path).map_err(io)?))
+            .map(|()| Whole::default())
+            .map_err(|_| "its packed pixels do not agree with their checksum".into()),
+        _ => return Ok(Whole::default()),
+    };
+    checked.map_err(|reason| Error::CutShort {
         file: path.to_owned(),
         reason,
     })
+}
+
+/// Reads all rows of a PNG and the checksum of its pixels.
+fn agrees(file: BufReader<File>) -> Result<(), png::DecodingError> {
+    let mut options = png::DecodeOptions::default();
+    options.set_ignore_adler32(false);
+    let mut rows = png::Decoder::new_with_options(file, options).read_info()?;
+    while rows.next_row()?.is_some() {}
+    rows.finish()
 }
 
 /// Computes the plane from the picture, and adds warnings about what was assumed.
