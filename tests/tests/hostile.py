@@ -187,6 +187,76 @@ table(
 )
 
 
+def not_utf8(name, kind):
+    def change(file):
+        file.attrs.create(name, b"caf\xe9", dtype=kind)
+
+    return change
+
+
+# Every text attribute: of variable length, which the library calls UTF-8, and of fixed length.
+for name in (
+    "format",
+    "generator",
+    "design",
+    "mesh_hash",
+    "edge_length_unit",
+    "back",
+    "losses",
+    "method",
+    "sampler",
+    "options",
+    "content_hash",
+):
+    for kind in (h5py.string_dtype(), h5py.string_dtype(length=4), np.dtype("S4")):
+        title = f"{name} in Latin-1 {'of 4 bytes' if kind.itemsize == 4 else ''}{kind.kind}"
+        table(title, f"attribute {name} is not UTF-8", not_utf8(name, kind))
+
+
+def fates_in_latin_1(file):
+    names = list(file["fate_name"])
+    del file["fate_name"]
+    names[3] = b"caf\xe9"
+    file.create_dataset("fate_name", data=names, dtype=h5py.string_dtype())
+
+
+table("fates in Latin-1", "dataset fate_name is", fates_in_latin_1)
+
+
+def many_directions(file):
+    for name, end in ("incidence_deg", 89.0), ("azimuth_deg", 359.0):
+        del file[name]
+        file.create_dataset(name, data=np.linspace(0, end, 1000), compression=9)
+
+
+def polygons(paths, corners, size=1e-3):
+    """Returns a function that adds equal regular polygons, all of the first direction."""
+
+    def change(file):
+        group = file.create_group("exact")
+        group.attrs["entrance_area"] = 1.0
+        turns = 2 * np.pi * np.arange(corners) / corners
+        ring = size * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+        arrays = {
+            "path_direction": np.zeros(paths, "u8"),
+            "path_matrix": np.broadcast_to(-2.0 * np.eye(2), (paths, 2, 2)),
+            "path_offset": np.zeros((paths, 2)),
+            "path_weight": np.ones(paths),
+            "polygon_start": np.arange(0, corners * paths + 1, corners, "u8"),
+            "polygon_vertex": np.tile(ring, (paths, 1)),
+        }
+        for name, data in arrays.items():
+            group.create_dataset(name, data=data, chunks=data.shape, compression=9)
+
+    return change
+
+
+table("10^6 directions", "the directions are 1000000, above the limit of", many_directions)
+table("too many paths", "the paths of direction 0 are 40000, above", polygons(40000, 3))
+table("polygons all over the bins", "the polygons over the whole", polygons(3000, 3, 100.0))
+table("too many corners", "the corners of path 0 of direction 0 are 20000", polygons(1, 20000))
+
+
 def bins_nan(file):
     file["shift_u"][3] = np.nan
 
@@ -363,6 +433,30 @@ photograph(
     "TIFF of 10^6 x 10^6", ".tif", tiff(10**6, 10**6, 16, 1, b""), "1000000 x 1000000 pixels"
 )
 photograph("EXR of 10^6 x 10^6", ".exr", exr(10**6, 10**6), "EXR")
+
+
+def wrong_end(stream):
+    """Returns a zlib stream with another checksum."""
+    return stream[:-1] + bytes([stream[-1] ^ 1])
+
+
+ROWS = wrong_end(zlib.compress(bytes(8 * 17)))
+AGREE = "do not agree with their checksum"
+photograph("PNG with another Adler-32", ".png", png(8, 8, 16, 0, ROWS), AGREE)
+photograph("PNG without Adler-32", ".png", png(8, 8, 16, 0, ROWS[:-4]), AGREE)
+STRIP = wrong_end(zlib.compress(bytes(8 * 16)))
+photograph("TIFF with another Adler-32", ".tif", tiff(8, 8, 16, 8, STRIP), "cannot be decoded")
+photograph("TIFF of old deflate", ".tif", tiff(8, 8, 16, 32946, STRIP), "cannot be decoded")
+# A block of zeros: its offset, its first row and length; each byte but the first is stored as its
+# difference from the one before it, plus 128.
+HEADER = exr(8, 8)
+BLOCK = wrong_end(zlib.compress(bytes(1) + b"\x80" * 255))
+photograph(
+    "EXR with another Adler-32",
+    ".exr",
+    HEADER + struct.pack("<QiI", len(HEADER) + 8, 0, len(BLOCK)) + BLOCK,
+    "cannot be decoded",
+)
 photograph("EXR of 10^6 x 10^6 in tiles of one pixel", ".exr", exr(10**6, 10**6, 1), "")
 photograph("EXR of 14000 x 14000 in tiles of one pixel", ".exr", exr(14000, 14000, 1), "")
 photograph(
@@ -409,6 +503,14 @@ text(
 text("a TOML key of many dots", b".".join([b"a"] * 400000) + b" = 1", ESTIMATE, "")
 text("a TOML heading of many dots", b"[" + b".".join([b"a"] * 400000) + b"]", ESTIMATE, "")
 text("many TOML headings", b"[[capture]]\n" * 80000, ESTIMATE, "")
+CAPTURE = b'{image="n",floating_distance_mm=9,incidence_deg=0},\n'
+written("n", b"")
+text(
+    "a manifest of 20000 photographs",
+    b"capture = [\n" + CAPTURE * 20000 + b"]\n[setup]\npixel_pitch_mm = 0.1\n",
+    ESTIMATE,
+    "",
+)
 text("JSON nested deep", b"[" * 1000000, PREDICT, "")
 text("JSON of 100 MB", b'{"kernel":"' + b"a" * 100_000_000 + b'"}', PREDICT, "longer than")
 

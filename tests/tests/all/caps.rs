@@ -8,6 +8,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Instant;
 
+use tables::Fate;
 use tests::files::{argument, bake_table_with};
 use tests::program::fresh;
 
@@ -286,6 +287,14 @@ fn numbers_beyond_the_field_are_refused() {
         2,
         "10000 values",
     );
+    let lines = vec!["550"; 20_000].join(",");
+    let by_hand = ["--c", "0.2", "--wavelength-nm", &lines, "--incidence", "0"];
+    let wave = [
+        &["fit", "predict", "--table", &table, "--distance", "150"],
+        &by_hand[..],
+    ]
+    .concat();
+    refused(here, &wave, 2, "20000 wavelengths, above the limit");
     let photograph = argument("tests/captures/public_per_angle/source.exr");
     let pitch = ["fit", "mtf", &photograph, "--pixel-pitch", "1e300"];
     refused(here, &pitch, 2, "--pixel-pitch");
@@ -296,6 +305,14 @@ fn numbers_beyond_the_field_are_refused() {
         &["fit", "estimate", "m.toml", "--table", &table],
         1,
         "pixel_pitch_mm",
+    );
+    let setup = format!("[setup]\npixel_pitch_mm = 0.1\nwavelength_nm = \"{lines}\"\n");
+    fs::write(here.join("m.toml"), setup).unwrap();
+    refused(
+        here,
+        &["fit", "estimate", "m.toml", "--table", &table],
+        1,
+        "has 20000 wavelengths",
     );
     fs::write(
         here.join("r.toml"),
@@ -313,6 +330,128 @@ fn numbers_beyond_the_field_are_refused() {
         "2",
     ];
     refused(here, &study, 1, "r.toml:1");
+}
+
+/// Tables at the caps: every verb that reads one ends under the limits that the reader has for
+/// files of this length, and the same ones for its own work.
+#[test]
+fn tables_at_the_caps_cost_what_their_caps_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let name = bake_table_with(here, "triangular-pair", "0,20", "30", &["--bins", "8"]);
+    let honest = tables::read(&here.join(name)).unwrap();
+    let mut numbers = 1_u64;
+    let mut unit = move || {
+        numbers = numbers
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (numbers >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    // Triangles of one point reflection, all over the entrance, a few of which cover it.
+    let mut triangles = |count: usize| {
+        let path = &honest.exact.as_ref().unwrap().paths[0][0];
+        let one = |_| {
+            let [x, y, size] = [unit() - 0.5, unit() - 0.5, 1.0 / count as f64 * unit()];
+            tables::Path {
+                polygon: vec![[x, y], [x + size, y], [x, y + size]],
+                matrix: [[-2.0, 0.0], [0.0, -2.0]],
+                offset: [0.0; 2],
+                ..path.clone()
+            }
+        };
+        (0..count).map(one).collect::<Vec<_>>()
+    };
+    let mut of_paths = |count: usize| {
+        let mut table = honest.clone();
+        let exact = table.exact.as_mut().unwrap();
+        exact.entrance_area = 1.0;
+        for (direction, paths) in exact.paths.iter_mut().enumerate() {
+            *paths = triangles(count);
+            let eta: f64 = paths.iter().map(tables::Path::area).sum();
+            let at = [direction, 0];
+            table.retroreflected[at] = eta;
+            let mut fate = table.fate.slice_mut(ndarray::s![direction, 0, ..]);
+            fate.fill(0.0);
+            fate[Fate::Retroreflected as usize] = eta;
+            fate[Fate::Missed as usize] = 1.0 - eta;
+        }
+        table
+    };
+    let paths = of_paths(1 << 15);
+    let pieces = of_paths(340);
+    let mut directions = honest.part(&[0; 1000], &[0; 100]);
+    directions.exact = None;
+    directions.axes.incidence_deg = (0..1000).map(|k| f64::from(k) * 0.08).collect();
+    directions.axes.azimuth_deg = (0..100).map(|k| f64::from(k) * 3.6).collect();
+    let hand = ["--c", "0.2", "--half-mirror", "0.25", "--mu", "0.5"];
+    let predict = [
+        "fit",
+        "predict",
+        "--distance",
+        "150",
+        "--incidence",
+        "10",
+        "--azimuth",
+        "30",
+    ];
+    let render = ["fit", "render", "--source", "s.png", "-o", "x.exr"];
+    image::GrayImage::from_fn(64, 64, |x, _| image::Luma([if x < 30 { 0 } else { 255 }]))
+        .save(here.join("s.png"))
+        .unwrap();
+    let (mut runs, mut slowest) = (0, 0.0_f64);
+    for (name, table) in [
+        ("paths", paths),
+        ("pieces", pieces),
+        ("directions", directions),
+    ] {
+        let file = format!("{name}.h5");
+        tables::write(&table, &here.join(&file)).unwrap();
+        let of = ["--table", file.as_str()];
+        let own = |words: &[&'static str], more: &[&'static str]| {
+            let all: Vec<String> = (words.iter().chain(&of).chain(&hand).chain(more))
+                .map(|word| (*word).to_owned())
+                .collect();
+            all
+        };
+        let wave = ["--wavelength-nm", "550"];
+        let at = ["--distance", "150", "--incidence", "20", "--azimuth", "30"];
+        let commands = [
+            ["bake", "inspect", &file].map(String::from).to_vec(),
+            ["bake", "verify", &file].map(String::from).to_vec(),
+            ["bake", "compare", &file, &file].map(String::from).to_vec(),
+            own(&predict, &["--a", "4.5"]),
+            own(&predict, &wave),
+            own(
+                &render,
+                &[&at[..], &["--a", "4.5", "--pixel-pitch", "0.2"]].concat(),
+            ),
+            own(&["fit", "explore", "-o", "x.html"], &["--a", "4.5"]),
+            own(&["fit", "explore", "-o", "x.html"], &wave),
+        ];
+        // Images and pages of 32,768 paths cost a hundred times those of a sheet.
+        let most = if name == "paths" { 5 } else { commands.len() };
+        for command in commands.into_iter().take(most) {
+            let words: Vec<&str> = command.iter().map(String::as_str).collect();
+            let (output, seconds) = limited(here, 2 << 20, &words);
+            let (line, told) = (words.join(" "), said(&output));
+            println!(
+                "{line}: {:?}, {seconds:.2} s: {}",
+                output.status.code(),
+                told.trim()
+            );
+            assert!(
+                matches!(output.status.code(), Some(0 | 1)),
+                "{line}: {told}"
+            );
+            assert!(
+                !told.contains("panicked") && seconds < 60.0,
+                "{line}: {told}"
+            );
+            slowest = slowest.max(seconds);
+            runs += 1;
+        }
+    }
+    println!("{runs} runs, the slowest took {slowest:.1} s");
 }
 
 /// Numbers of a result that no sheet has.
@@ -346,6 +485,7 @@ fn hostile_results_are_refused() {
     refused(here, &predict, 0, "");
     let cases = [
         ("c_mm", serde_json::json!(-0.3)),
+        ("c_mm", serde_json::json!(1e-308)),
         ("a_per_mm", serde_json::json!(0)),
         ("mu", serde_json::json!(1e300)),
         ("mu", serde_json::json!(-1)),
@@ -421,41 +561,50 @@ fn outputs_are_refused_before_the_work() {
     assert!(said(&run).contains("`ulimit -f` allows"), "{}", said(&run));
 }
 
-/// Saves of a long bake do not go through a link.
+/// What has the name of a save and is none is refused before the work, and stays.
 #[test]
-fn saves_follow_no_link() {
+fn saves_are_files() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     design_a_cell(here);
-    let precious = here.join("precious");
+    let (precious, save) = (here.join("precious"), here.join("cell.h5.resume"));
     fs::write(&precious, "mine").unwrap();
-    symlink(&precious, here.join("cell.h5.resume")).unwrap();
-    let trace = [
-        "bake",
-        "trace",
-        "cell.obj",
-        "-o",
-        "cell.h5",
-        "--method",
-        "rays",
-        "--rays",
-        "2000000",
-        "--incidence",
-        "0,10",
-        "--save-every",
-        "0",
+    let trace = ["bake", "trace", "cell.obj", "-o", "cell.h5"];
+    let makers: [&dyn Fn() -> bool; 4] = [
+        &|| symlink(&precious, &save).is_ok(),
+        &|| symlink(here.join("nowhere"), &save).is_ok(),
+        &|| {
+            Command::new("mkfifo")
+                .arg(&save)
+                .status()
+                .unwrap()
+                .success()
+        },
+        &|| fs::create_dir(&save).is_ok(),
     ];
-    let (output, _) = limited(here, 2 << 20, &trace);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
-    assert!(
-        said(&output).contains("is not a regular file"),
-        "{}",
-        said(&output)
-    );
+    let mut runs = 0;
+    for make in makers {
+        assert!(make());
+        let kind = fs::symlink_metadata(&save).unwrap().file_type();
+        for more in [&[][..], &["--resume"]] {
+            let what = "cell.h5.resume: is not a regular file";
+            refused(here, &[&trace[..], more].concat(), 1, what);
+            assert_eq!(fs::symlink_metadata(&save).unwrap().file_type(), kind);
+            assert!(!here.join("cell.h5").exists());
+            runs += 1;
+        }
+        if kind.is_dir() {
+            fs::remove_dir(&save).unwrap();
+        } else {
+            fs::remove_file(&save).unwrap();
+        }
+    }
     assert_eq!(fs::read_to_string(&precious).unwrap(), "mine");
+    println!("{runs} runs");
 }
 
-/// Names in strangers' files do not steer the terminal.
+/// Names in strangers' files do not steer the terminal, and no line of them looks like one of the
+/// program's.
 #[test]
 fn control_characters_reach_no_terminal() {
     let folder = tempfile::tempdir().unwrap();
@@ -463,26 +612,59 @@ fn control_characters_reach_no_terminal() {
     design_a_cell(here);
     let text = fs::read_to_string(here.join("cell.obj")).unwrap();
     let named = "\u{1b}]0;owned\u{7}\u{202e}name";
+    // A forged line of its own, in the ways in which one can begin.
+    let lines = [
+        "x\nerror: forged",
+        "x\rerror: forged",
+        "x\u{2028}error: forged",
+    ];
     let mut tried = 0;
+    let mut runs = |words: &[&str], code: Option<i32>| {
+        let (output, _) = limited(here, 2 << 20, words);
+        let all = [output.stdout, output.stderr].concat();
+        let all = String::from_utf8_lossy(&all).into_owned();
+        let (line, ended) = (words.join(" "), output.status.code());
+        assert!(code.is_none_or(|code| ended == Some(code)), "{line}: {all}");
+        let steers = ['\u{1b}', '\u{7}', '\u{202e}', '\r', '\u{2028}'];
+        assert!(!all.contains(steers), "{line}: {all:?}");
+        assert!(
+            !all.lines().any(|line| line.starts_with("error: forged")),
+            "{line}: {all}"
+        );
+        tried += 1;
+        all
+    };
     for (file, text) in [
         ("bad\u{1b}[2J.obj".to_owned(), "f 1 2 3\n".to_owned()),
         ("line.obj".to_owned(), format!("{text}f {named} 2 3\n")),
+        (format!("{}.obj", lines[0]), "f 1 2 3\n".to_owned()),
     ] {
         fs::write(here.join(&file), text).unwrap();
-        let (output, _) = limited(here, 2 << 20, &["bake", "trace", &file, "-o", "x.h5"]);
-        let all = [output.stdout, output.stderr].concat();
-        let all = String::from_utf8_lossy(&all);
-        assert_eq!(output.status.code(), Some(1), "{all}");
-        assert!(!all.contains(['\u{1b}', '\u{7}', '\u{202e}']), "{all:?}");
-        tried += 1;
+        runs(&["bake", "trace", &file, "-o", "x.h5"], Some(1));
     }
-    fs::write(here.join("m.toml"), format!("[setup]\n\"{named}\" = 1\n")).unwrap();
-    let (output, _) = limited(
-        here,
-        2 << 20,
-        &["fit", "estimate", "m.toml", "--table", "x.h5"],
-    );
-    let all = said(&output);
-    assert!(!all.contains(['\u{1b}', '\u{7}', '\u{202e}']), "{all:?}");
-    println!("{} texts", tried + 1);
+    // A design, of a mesh with a hostile name; a folder of photographs; keys and texts of TOML.
+    let trace = ["bake", "trace", "cell.obj", "--incidence", "0", "-o"];
+    runs(&[&trace[..], &["named.h5"]].concat(), Some(0));
+    let table = tables::read(&here.join("named.h5")).unwrap();
+    fs::create_dir(here.join("photographs")).unwrap();
+    for (k, line) in lines.into_iter().chain([named]).enumerate() {
+        let mut table = table.clone();
+        let from = &mut table.provenance;
+        (from.design, from.generator) = (line.to_string(), line.to_string());
+        (from.mesh_hash, from.edge_length_unit) = (line.to_string(), line.to_string());
+        from.options = line.into();
+        let file = format!("named{k}.h5");
+        tables::write(&table, &here.join(&file)).unwrap();
+        for words in [&["inspect", &file][..], &["verify", &file]] {
+            runs(&[&["bake"], words].concat(), Some(0));
+        }
+        runs(&["bake", "verify", &file, "--mesh", "cell.obj"], None);
+        fs::write(here.join("photographs").join(format!("{line}.png")), "none").unwrap();
+        let key = format!("[setup]\n{} = 1\n", serde_json::json!(line));
+        fs::write(here.join("m.toml"), key).unwrap();
+        runs(&["fit", "estimate", "m.toml", "--table", "x.h5"], Some(1));
+    }
+    let rows = runs(&["fit", "mtf", "photographs"], Some(1));
+    assert!(rows.contains("x\\nerror: forged"), "{rows}");
+    println!("{tried} runs");
 }
