@@ -6,17 +6,24 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
 use tests::browser::Browser;
 use tests::files::{argument, bake_table};
 use tests::program::{bake, fit};
+
+/// Code of the colour of the bars, which blur makes half as bright.
+const BARS: [u8; 3] = [255, 0, 0];
+/// Code of the colour of the disc, whose middle stays as bright as it is. It is darker than the
+/// bars, and brighter than what blur leaves of them.
+const DISC: [u8; 3] = [0, 140, 140];
 
 /// Writes a small picture in colour, whose codes are sRGB: bars, a frame and a disc.
 fn picture(here: &Path) {
     let image = image::RgbImage::from_fn(96, 64, |x, y| {
         let disc = (x as i32 - 70).pow(2) + (y as i32 - 32).pow(2) < 300;
         match (x, y) {
-            (4..40, _) if x % 6 < 3 && (8..56).contains(&y) => image::Rgb([255, 255, 255]),
-            _ if disc => image::Rgb([240, 120, 20]),
+            (4..40, _) if x % 6 < 3 && (8..56).contains(&y) => image::Rgb(BARS),
+            _ if disc => image::Rgb(DISC),
             (0 | 95, _) | (_, 0 | 63) => image::Rgb([30, 90, 250]),
             _ => image::Rgb([0, 0, 0]),
         }
@@ -24,21 +31,36 @@ fn picture(here: &Path) {
     image.save(here.join("content.png")).unwrap();
 }
 
-/// Puts scripts into a page: one that keeps errors before all others, and the probe behind them.
+/// Puts scripts into a page: one that keeps errors before all others, the probe behind them, and
+/// one that the page's policy must not let run. The policy gets the hashes of the first two.
 ///
 /// Frames come from timers. Virtual time waits for these, but not for the frames of a busy machine.
 fn probed(page: &str, settings: &Value) -> String {
-    let first = "<script>const ERRORS = []; addEventListener('error', (e) => \
+    let first = "const ERRORS = []; addEventListener('error', (e) => \
         ERRORS.push(e.message)); addEventListener('unhandledrejection', (e) => \
         ERRORS.push(String(e.reason))); console.error = (...all) => \
         ERRORS.push(all.join(' ')); requestAnimationFrame = (draw) => \
-        setTimeout(draw, 16);</script><title>";
+        setTimeout(draw, 16); const BLOCKED = []; \
+        addEventListener('securitypolicyviolation', (e) => BLOCKED.push(e.effectiveDirective));";
     let probe = format!(
-        "<script>const SETTINGS = {settings};\n{}</script>\n</body>",
+        "const SETTINGS = {settings};\n{}",
         include_str!("explore_probe.js")
     );
-    page.replacen("<title>", first, 1)
-        .replacen("</body>", &probe, 1)
+    let policy = format!("script-src {} {} ", allowed(first), allowed(&probe));
+    let foreign = "<script>ERRORS.push('a foreign script ran')</script>\
+        <b onclick=\"ERRORS.push('a foreign handler ran')\" id=\"foreign\"></b>";
+    page.replacen("script-src ", &policy, 1)
+        .replacen("<title>", &format!("<script>{first}</script><title>"), 1)
+        .replacen(
+            "</body>",
+            &format!("{foreign}<script>{probe}</script>\n</body>"),
+            1,
+        )
+}
+
+/// Returns the words by which a policy allows a script or a style sheet.
+fn allowed(text: &str) -> String {
+    format!("'sha256-{}'", STANDARD.encode(Sha256::digest(text)))
 }
 
 fn floats(text: &Value) -> Vec<f32> {
@@ -54,6 +76,116 @@ fn facts(here: &Path, command: &[String]) -> Value {
     let run = fit(here, command);
     assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
     serde_json::from_str(&run.out).unwrap()
+}
+
+/// Returns the first number of a text.
+fn number(text: &Value) -> f64 {
+    let text = text.as_str().unwrap();
+    let from = text.find(|c: char| c.is_ascii_digit()).expect(text);
+    let digits = text[from..].split([' ', ';', ',']).next().unwrap();
+    digits.parse().unwrap_or_else(|_| panic!("{text}"))
+}
+
+/// Returns the light of a code, by the definition of sRGB (IEC 61966-2-1).
+fn light(code: u8) -> f64 {
+    let v = f64::from(code) / 255.0;
+    if v <= 0.04045 {
+        v / 12.92
+    } else {
+        ((v + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// Returns the luminance of linear light by ITU-R BT.709.
+fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// The facts that a page shows at a setting against what they are, computed from `fit predict` and
+/// from the image of `fit render`: luminance, MTF50, letter, exposure and size. Returns how many
+/// were compared.
+///
+/// The page writes three digits, so a number is off by half a unit of the third, 0.5 %. `stated` is
+/// the error of a pixel or a weight of the page, as a part of the brightest, and frequencies are
+/// off by as much where an MTF falls.
+fn facts_are_right(
+    image: &Value,
+    setting: &Value,
+    predicted: &Value,
+    aerial: &fit::Picture,
+    stated: f64,
+) -> usize {
+    let of = |key: &str| setting[key].as_f64().unwrap();
+    let fact = |key: &str| number(&image["facts"][key]);
+    let near = |found: f64, expected: f64, what: &str| {
+        let off = (found / expected - 1.0).abs();
+        println!(
+            "{what}: {found} for {expected}, off by {:.2} %",
+            100.0 * off
+        );
+        assert!(
+            off <= 0.005 + stated,
+            "{what}: {found} for {expected}: {image}"
+        );
+    };
+    let rows = predicted["predictions"].as_array().unwrap();
+    assert_eq!(rows.len(), 2);
+    let energy = rows[0]["luminance"].as_f64().unwrap();
+    near(fact("luminance"), energy * of("luminance"), "luminance");
+    // The frequency at which the first of both curves falls to a level, between two frequencies on
+    // a straight line.
+    let frequencies = predicted["frequency_per_mm"].as_array().unwrap();
+    let lesser: Vec<[f64; 2]> = (0..frequencies.len())
+        .map(|k| {
+            let mtf = |row: &Value| row["mtf"][k].as_f64().unwrap();
+            [
+                frequencies[k].as_f64().unwrap(),
+                mtf(&rows[0]).min(mtf(&rows[1])),
+            ]
+        })
+        .collect();
+    let falls_to = |level: f64| {
+        let pair = lesser
+            .windows(2)
+            .find(|pair| pair[1][1] < level)
+            .expect("it falls");
+        let share = (pair[0][1] - level) / (pair[0][1] - pair[1][1]);
+        pair[0][0] + share * (pair[1][0] - pair[0][0])
+    };
+    near(fact("mtf50"), falls_to(0.5), "mtf50");
+    // Ambient light lies on white and on black: the contrast is (white - black) / (white + black).
+    let (white, black) = (energy * of("luminance") + of("ambient"), of("ambient"));
+    let contrast = (white - black) / (white + black);
+    // A letter is five strokes high, and a period of the finest pattern is two strokes.
+    let blur = 5.0 * 0.5 / falls_to(of("threshold") / contrast);
+    let eye = 1000.0 * of("viewer") * (5.0_f64 / 60.0).to_radians().tan();
+    near(fact("letter"), blur.max(eye), "letter");
+    let limited = image["facts"]["letter"].as_str().unwrap();
+    let by = if eye > blur {
+        "limited by the eye"
+    } else {
+        "limited by the blur"
+    };
+    assert!(limited.contains(by), "{limited}");
+    // Exposure makes the brightest luminance that of the source, unless a colour would be brighter
+    // than any of the source.
+    let ambient = of("ambient") / of("luminance");
+    let source = [BARS, DISC, [30, 90, 250]].map(|codes| codes.map(light));
+    let most = |all: &mut dyn Iterator<Item = f64>| all.fold(0.0, f64::max);
+    let [red, green, blue] = [0, 1, 2].map(|k| &aerial.planes[k]);
+    let luminances = red.iter().zip(green).zip(blue);
+    let seen = most(&mut luminances.map(|((r, g), b)| luminance([*r, *g, *b].map(f64::from))));
+    let alike = most(&mut source.iter().map(|own| luminance(*own))) / (seen + ambient);
+    let seen = most(&mut aerial.planes.iter().flatten().map(|&own| f64::from(own)));
+    let unclipped = most(&mut source.iter().flatten().copied()) / (seen + ambient);
+    assert!(
+        alike < unclipped,
+        "the luminance decides: {alike} {unclipped}"
+    );
+    near(fact("exposure"), alike, "exposure");
+    let pitch = image["pitch"].as_f64().unwrap();
+    near(fact("size"), 96.0 * pitch, "width");
+    6
 }
 
 /// A sheet: its options for `fit explore` and `fit render`, and what it tells.
@@ -166,12 +298,16 @@ fn a_browser_shows_what_fit_render_computes() {
             tails: 0.012,
         },
     ];
+    // The letter is limited by the blur, by the blur in much ambient light, and by the eye.
     let settings = json!([
-        {"distance": 163.0, "incidence": 17.3, "azimuth": 23.0, "width": 38.0},
-        {"distance": 240.0, "incidence": 33.1, "azimuth": 71.7, "width": 30.0},
-        {"distance": 420.0, "incidence": 6.2, "azimuth": 348.0, "width": 60.0},
+        {"distance": 163.0, "incidence": 17.3, "azimuth": 23.0, "width": 38.0,
+         "luminance": 500.0, "ambient": 0.0, "viewer": 0.1, "threshold": 0.1},
+        {"distance": 240.0, "incidence": 33.1, "azimuth": 71.7, "width": 30.0,
+         "luminance": 700.0, "ambient": 20.0, "viewer": 0.1, "threshold": 0.2},
+        {"distance": 420.0, "incidence": 6.2, "azimuth": 348.0, "width": 60.0,
+         "luminance": 300.0, "ambient": 3.0, "viewer": 4.0, "threshold": 0.1},
     ]);
-    let mut compared = 0;
+    let (mut compared, mut facts_compared) = (0, 0);
     for sheet in &sheets {
         let page = format!("{}.html", sheet.name);
         let mut command = words("explore --table");
@@ -202,7 +338,16 @@ fn a_browser_shows_what_fit_render_computes() {
             "{fetched:?}"
         );
         assert_eq!(found["quick"], 1);
-        for image in found["images"].as_array().unwrap() {
+        assert_eq!(
+            found["blocked"],
+            json!(["script-src-elem", "script-src-attr"])
+        );
+        for (image, setting) in found["images"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .zip(settings.as_array().unwrap())
+        {
             let own = &image["own"];
             let number = |key: &str| own[key].as_f64().unwrap().to_string();
             let mut command = words("render --source content.png --table");
@@ -240,9 +385,18 @@ fn a_browser_shows_what_fit_render_computes() {
                 assert!(true_one.iter().any(|&v| f64::from(v) > 0.2 * energy));
                 compared += 1;
             }
+            let mut command = words("predict --json --frequency 0:20:0.02 --table");
+            command.push(sheet.table.into());
+            let options = sheet.options.iter().filter(|&word| word != "--params");
+            command.extend(options.cloned());
+            for key in ["distance", "incidence", "azimuth"] {
+                command.extend([format!("--{key}"), number(key)]);
+            }
+            let predicted = facts(here, &command);
+            facts_compared += facts_are_right(image, setting, &predicted, &aerial, 0.01);
         }
     }
-    assert_eq!(compared, 8 * 3 * 3);
+    assert_eq!((compared, facts_compared), (8 * 3 * 3, 8 * 3 * 6));
 }
 
 /// A fitted sheet has intervals, marks what was photographed, and says what was not. The page fits
@@ -271,7 +425,10 @@ fn a_browser_shows_intervals_and_what_was_not_photographed() {
     )
     .done();
     let page = fs::read_to_string(here.join("e.html")).unwrap();
-    let settings = json!([{"distance": 200.0}]);
+    let data = page.split_once("id=\"data\">").unwrap().1;
+    let data: Value = serde_json::from_str(data.split_once("</script>").unwrap().0).unwrap();
+    let span = &data["span"];
+    let settings = json!([{"distance": 200.0, "viewer": 1.0}]);
     fs::write(here.join("probe.html"), probed(&page, &settings)).unwrap();
     let mut windows = 0;
     for (width, dark) in [(360, false), (360, true), (800, false), (1300, true)] {
@@ -280,7 +437,10 @@ fn a_browser_shows_intervals_and_what_was_not_photographed() {
         assert_eq!(found["wide"], json!([]), "{width}");
         assert_eq!(found["unnamed"], json!([]));
         assert_eq!((&found["curves"], &found["bands"]), (&json!(2), &json!(2)));
-        assert_ne!(found["before"], found["after"]);
+        // A slider at 990 of 1000 on a scale of logarithms.
+        let [near, far] = [0, 1].map(|k| span["distance_mm"][k].as_f64().unwrap());
+        let (moved, expected) = (number(&found["spoken"]), near * (far / near).powf(0.99));
+        assert!((moved / expected - 1.0).abs() < 0.005, "{moved} {expected}");
         let remarks = found["remarks"].as_str().unwrap();
         assert!(remarks.contains("Outside of the photographs of the fit: distance"));
         assert!(remarks.contains("The kernels angular and wave let it grow"));

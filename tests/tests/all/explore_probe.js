@@ -5,15 +5,27 @@ addEventListener("load", async () => {
     const bytes = new Uint8Array(floats.buffer, floats.byteOffset, floats.byteLength);
     return btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
   };
-  const images = SETTINGS.map((changed) => {
+  // The facts that the page shows at some settings, some of which stand in boxes.
+  const shown = async (changed) => {
+    for (const [key, value] of Object.entries(changed)) {
+      if (key in airr.state) airr.state[key] = value;
+      else if (key !== "azimuth") document.getElementById(key).value = value;
+    }
+    document.getElementById("ambient").dispatchEvent(new Event("input"));
+    await new Promise((done) => setTimeout(done, 100));
+    const facts = document.querySelectorAll("[id^=fact-]");
+    return Object.fromEntries([...facts].map((e) => [e.id.slice(5), e.textContent]));
+  };
+  const images = [];
+  for (const changed of SETTINGS) {
     const own = airr.settings({ ...airr.state, ...changed });
     const { planes, pitch, energy } = airr.render(changed);
-    return { own, pitch, energy, planes: planes.map(text) };
-  });
+    const facts = await shown(changed);
+    images.push({ own, pitch, energy, planes: planes.map(text), facts });
+  }
+  document.getElementById("foreign")?.click();
   const quick = airr.render(SETTINGS[0], false).planes.length;
-  // A slider that is moved changes the picture, the numbers and the words.
-  const facts = () => [...document.querySelectorAll("dd")].map((e) => e.textContent).join("; ");
-  const before = facts();
+  // A slider that is moved changes the words.
   const slider = document.getElementById("s-distance");
   slider.value = 990;
   slider.dispatchEvent(new Event("input"));
@@ -34,11 +46,10 @@ addEventListener("load", async () => {
   );
   const figures = {
     errors: ERRORS,
+    blocked: BLOCKED,
     fetched: performance.getEntriesByType("resource").map((e) => e.name.slice(0, 30)),
     wide: wide.map((e) => `${e.tagName}.${e.className}#${e.id}`),
     unnamed: named.map((e) => e.id),
-    before,
-    after: facts(),
     remarks: document.getElementById("remarks").textContent,
     spoken: slider.getAttribute("aria-valuetext"),
     curves: document.querySelectorAll("#curves polyline").length,
