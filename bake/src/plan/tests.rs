@@ -84,7 +84,7 @@ fn bad_options_name_option_value_and_remedy() {
                 azimuth: "400".into(),
                 ..base()
             },
-            "--azimuth 400: the angle must be above -360",
+            "--azimuth 400: the angle must be from -360 to 360",
         ),
         (
             Request { bins: 0, ..base() },
