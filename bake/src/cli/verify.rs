@@ -80,60 +80,32 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     })?;
     known(&table, &args.table)?;
     let sealed = tables::is_sealed(&args.table)?;
-    let (incidences, azimuths) = table.axes.shape();
-    let hash = table.content_hash();
     let judged = args
         .mesh
         .as_deref()
         .map(|mesh| judged(&table, mesh, args))
         .transpose()?;
-    let agrees = judged.as_ref().map(|judged| judged.rays.agrees());
-    let baked = judged.as_ref().and_then(|judged| judged.baked.as_ref());
-    let exact = baked.map(Comparison::agrees);
-    let unchecked = match &judged {
-        Some(judged) => judged.claims.unchecked.clone(),
-        None => vec![Unchecked {
-            attribute: "all",
-            why: "only the mesh can tell whether the numbers and the options are right; give \
-                --mesh"
-                .into(),
-        }],
-    };
-    print(&if args.json {
-        let unchecked = unchecked
-            .iter()
-            .map(|one| serde_json::json!({ "attribute": one.attribute, "why": one.why }));
-        let value = serde_json::json!({
-            "valid": true, "sealed": sealed, "content_hash": hash,
-            "directions": incidences * azimuths, "mesh_agrees": agrees,
-            "polygons_agree": exact.filter(|_| table.exact.is_some()),
-            "exact_bake_agrees": exact,
-            "directions_traced": judged.as_ref().map(|judged| judged.rays.rows.len()),
-            "directions_baked": baked.map(|baked| baked.rows.len()),
-            "error_between": judged.as_ref().and_then(|judged| judged.between),
-            "seed": judged.as_ref().map(|judged| judged.seed),
-            "contradictions": judged.as_ref().map(|judged| contradictions(&judged.claims)),
-            "unchecked": unchecked.collect::<Vec<_>>(),
-            "reader_lacks": lacking.iter().map(|one| one.words()).collect::<Vec<_>>() });
-        format!("{value}\n")
-    } else {
-        let seal = if sealed {
-            ""
-        } else {
-            "; its seal is gone because another program wrote to the file, but its content hash is \
-            right"
-        };
-        let head = format!(
-            "{}: valid, {} directions, content {hash}{seal}\n",
-            args.table.display(),
-            incidences * azimuths
-        );
-        let left = unchecked.iter().map(|one| format!("unchecked: {one}\n"));
-        head + &note(&lacking)
-            + &judged
-                .as_ref()
-                .map_or(String::new(), |judged| compared(judged, &table))
-            + &left.collect::<String>()
+    print(&match args.json {
+        true => json(&table, judged.as_ref(), sealed, &lacking),
+        false => {
+            let seal = match sealed {
+                true => "",
+                false => {
+                    "; its seal is gone because another program wrote to the file, but its \
+                    content hash is right"
+                }
+            };
+            let head = format!(
+                "{}: valid, {} directions, content {}{seal}\n",
+                args.table.display(),
+                table.retroreflected.len(),
+                table.content_hash()
+            );
+            let compared = judged.as_ref().map(|judged| compared(judged, &table));
+            let left = unchecked(judged.as_ref());
+            let left = left.iter().map(|one| format!("unchecked: {one}\n"));
+            head + &note(&lacking) + &compared.unwrap_or_default() + &left.collect::<String>()
+        }
     })?;
     let Some(judged) = judged else {
         return Ok(());
@@ -146,10 +118,10 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
             source,
         });
     }
-    if agrees == Some(false) {
+    if !judged.rays.agrees() {
         return Err(Failure::Retraced { table, mesh });
     }
-    if exact == Some(false) {
+    if judged.baked.is_some_and(|baked| !baked.agrees()) {
         return Err(Failure::Rebaked { table, mesh });
     }
     match (judged.between, judged.stated) {
@@ -160,6 +132,43 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         }),
         _ => Ok(()),
     }
+}
+
+/// Returns what was not checked.
+fn unchecked(judged: Option<&Judged>) -> Vec<Unchecked> {
+    match judged {
+        Some(judged) => judged.claims.unchecked.clone(),
+        None => vec![Unchecked {
+            attribute: "all",
+            why: "only the mesh can tell whether the numbers and the options are right; give \
+                --mesh"
+                .into(),
+        }],
+    }
+}
+
+/// Returns the result as one line of JSON.
+fn json(table: &Table, judged: Option<&Judged>, sealed: bool, lacking: &[Protection]) -> String {
+    let baked = judged.and_then(|judged| judged.baked.as_ref());
+    let exact = baked.map(Comparison::agrees);
+    let left: Vec<_> = unchecked(judged)
+        .iter()
+        .map(|one| serde_json::json!({ "attribute": one.attribute, "why": one.why }))
+        .collect();
+    let value = serde_json::json!({
+        "valid": true, "sealed": sealed, "content_hash": table.content_hash(),
+        "directions": table.retroreflected.len(),
+        "mesh_agrees": judged.map(|judged| judged.rays.agrees()),
+        "polygons_agree": exact.filter(|_| table.exact.is_some()),
+        "exact_bake_agrees": exact,
+        "directions_traced": judged.map(|judged| judged.rays.rows.len()),
+        "directions_baked": baked.map(|baked| baked.rows.len()),
+        "error_between": judged.and_then(|judged| judged.between),
+        "seed": judged.map(|judged| judged.seed),
+        "contradictions": judged.map(|judged| contradictions(&judged.claims)),
+        "unchecked": left,
+        "reader_lacks": lacking.iter().map(|one| one.words()).collect::<Vec<_>>() });
+    format!("{value}\n")
 }
 
 /// Checks that this version knows all words of a table.

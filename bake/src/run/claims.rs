@@ -110,13 +110,13 @@ pub fn claims(
     let from = &table.provenance;
     let plan = again(table, prepared, rays, seed)?;
     let exact = from.method.is(Method::Exact);
-    let mut found = Claims::default();
     let own = own(table, prepared, &plan, exact);
+    let mut found = origin(from, &own);
     // Every attribute has its line here, so that the compiler asks about a new one.
     let Provenance {
-        generator,
-        design,
-        mesh_hash,
+        generator: _, // these three by `origin`
+        design: _,
+        mesh_hash: _,
         edge_length,
         edge_length_unit,
         azimuth_zero,
@@ -137,21 +137,6 @@ pub fn claims(
         direction_tolerance: _, // tried by `error_between`
         options: _,             // known to `again`, and by the numbers
     } = from;
-    let same_rule = own.is_of_the_bake(&Provenance {
-        generator: generator.clone(),
-        ..own.clone()
-    });
-    if !same_rule {
-        let why = format!("\"{generator}\" names another rule than that of this bake");
-        found.unchecked("generator", why);
-    }
-    if *mesh_hash != own.mesh_hash {
-        found.unchecked("mesh_hash", "the mesh is another file");
-    }
-    // The name of a mesh may be that of its file, which its hash does not hold.
-    if *design != own.design {
-        found.unchecked("design", format!("the mesh is \"{}\"", own.design));
-    }
     found.near("edge_length", &[*edge_length], &[own.edge_length]);
     found.same("edge_length_unit", edge_length_unit, &own.edge_length_unit);
     found.near("azimuth_zero", azimuth_zero, &own.azimuth_zero);
@@ -194,18 +179,37 @@ pub fn claims(
         found.unchecked("shards", "any part of the samples looks like another");
     }
     if !exact {
-        exits(table, &plan, prepared, &mut found);
-        let by_rays_alone = plan.is_azimuth_mean() || plan.exact_cell(prepared).is_err();
-        if by_rays_alone {
-            let why = "rays alone do not tell how many others there were";
-            found.unchecked("rays and standard_error", why);
-        }
+        counted(table, &plan, prepared, &mut found);
     }
     found.unchecked(
         "frame, azimuths, units, long_name",
         "texts for people, which no program reads",
     );
     Ok(found)
+}
+
+/// Compares which rule and which mesh a table names with those of this bake, `own`.
+fn origin(from: &Provenance, own: &Provenance) -> Claims {
+    let mut found = Claims::default();
+    let renamed = Provenance {
+        generator: from.generator.clone(),
+        ..own.clone()
+    };
+    if !own.is_of_the_bake(&renamed) {
+        let why = format!(
+            "\"{}\" is another rule than that of this bake",
+            from.generator
+        );
+        found.unchecked("generator", why);
+    }
+    if from.mesh_hash != own.mesh_hash {
+        found.unchecked("mesh_hash", "the mesh is another file");
+    }
+    // The name of a mesh may be that of its file, which its hash does not hold.
+    if from.design != own.design {
+        found.unchecked("design", format!("the mesh is \"{}\"", own.design));
+    }
+    found
 }
 
 /// Returns what the bake of the mesh with the options of a table would state.
@@ -219,8 +223,9 @@ fn own(table: &Table, prepared: &Prepared, plan: &Plan, exact: bool) -> Provenan
     }
 }
 
-/// Holds the group of exit directions against what a bake by rays records.
-fn exits(table: &Table, plan: &Plan, prepared: &Prepared, found: &mut Claims) {
+/// Holds the group of exit directions against what a bake by rays records, and says what is not
+/// known of counts.
+fn counted(table: &Table, plan: &Plan, prepared: &Prepared, found: &mut Claims) {
     let own = plan.deviations(prepared);
     match (table.deviations.as_ref(), own) {
         (Some(counted), Some(own)) => {
@@ -239,5 +244,9 @@ fn exits(table: &Table, plan: &Plan, prepared: &Prepared, found: &mut Claims) {
     }
     if own.is_none() && plan.scene.deviations == tables::options::Record::Off {
         found.unchecked("exit directions", "the table has none, by --deviations off");
+    }
+    if plan.is_azimuth_mean() || plan.exact_cell(prepared).is_err() {
+        let why = "rays alone do not tell how many others there were";
+        found.unchecked("rays and standard_error", why);
     }
 }
