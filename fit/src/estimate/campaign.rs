@@ -196,11 +196,7 @@ pub fn campaign(
             manifest: campaign.file.clone(),
         });
     }
-    let mut warnings = match (best.choice.kernel, &scene.spectrum, best.c_mm) {
-        (Kernel::Wave, Some(spectrum), Some(c)) => wave::remarks(table, spectrum, c.value),
-        _ => Vec::new(),
-    };
-    warnings.extend(scene.warnings.iter().cloned());
+    let mut warnings = of_scene(&scene, table, &best);
     if campaign.setup.seen_in_mirror.is_none() {
         warnings.extend(match &azimuth {
             None => mirror::unstated(&scene, table, kind, &best)?,
@@ -326,6 +322,16 @@ fn fitted(
         near,
         sampled,
     })
+}
+
+/// Returns the warnings of a scene, after what must be known of its waves if the fit has them.
+fn of_scene(scene: &Scene, table: &Table, best: &Estimate) -> Vec<String> {
+    let mut warnings = match (best.choice.kernel, &scene.spectrum, best.c_mm) {
+        (Kernel::Wave, Some(spectrum), Some(c)) => wave::remarks(table, spectrum, c.value),
+        _ => Vec::new(),
+    };
+    warnings.extend(scene.warnings.iter().cloned());
+    warnings
 }
 
 /// Returns whether all numbers of a fit are finite.
