@@ -1,5 +1,5 @@
 //! Time of writing and reading tables of ten directions, 128 x 128 bins: 16 randomisations of
-//! counts, or exact.
+//! counts, or exact; and of the transform of one direction's bins at a thousand frequencies.
 //!
 //! Run `make bench`, or `cargo bench -p tables --bench file`.
 
@@ -117,4 +117,11 @@ fn read(bencher: Bencher, kind: &str) {
     let file = folder.path().join("table.h5");
     tables::write(&table(kind), &file).expect("writes");
     bencher.bench(|| tables::read(&file).expect("reads"));
+}
+
+#[divan::bench(sample_count = 10)]
+fn transform(bencher: Bencher) {
+    let direction = rays().direction(0.0, Some(30.0)).expect("it is held");
+    let kappa: Vec<f64> = (0..1000).map(|i| f64::from(i) * 0.01).collect();
+    bencher.bench(|| direction.otf_and_slope_along([0.9, 0.1], &kappa));
 }
