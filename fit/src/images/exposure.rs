@@ -16,3 +16,50 @@ pub(crate) fn automatic(source: &Picture, image: &Picture, ambient: f64) -> f64 
         1.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photographs::photo::transfer::Transfer;
+
+    fn picture(pixels: &[[f32; 3]]) -> Picture {
+        Picture {
+            width: pixels.len(),
+            height: 1,
+            planes: [0, 1, 2]
+                .map(|k| pixels.iter().map(|p| p[k]).collect())
+                .to_vec(),
+            transfer: Transfer::Linear,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Checks exposures by hand, with the weights of Rec. 709: 0.2126, 0.7152 and 0.0722. Numbers
+    /// of f32 round by 1e-7.
+    #[test]
+    fn the_brightest_pixels_become_alike_unless_a_colour_is_clipped() {
+        let white = picture(&[[0.0; 3], [0.8; 3]]);
+        let cases = [
+            // Light of 0.2 with 0.05 about it.
+            (picture(&[[0.1; 3], [0.2; 3]]), 0.0, 0.8 / 0.2),
+            (picture(&[[0.1; 3], [0.2; 3]]), 0.05, 0.8 / 0.25),
+            // Pure green of 0.4: its luminance would allow 0.8 / 0.28608, its code 0.8 / 0.4.
+            (picture(&[[0.0, 0.4, 0.0]]), 0.0, 0.8 / 0.4),
+            (picture(&[[0.0; 3]]), 0.0, 1.0),
+        ];
+        for (image, ambient, expected) in &cases {
+            let found = automatic(&white, image, *ambient);
+            assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+        }
+        // The brightest pixel of the source is its green one; its brightest colour is the blue one.
+        let source = picture(&[[0.0, 0.5, 0.0], [0.0, 0.0, 1.0]]);
+        for ambient in [0.0, 0.03] {
+            let found = automatic(&source, &picture(&[[0.1, 0.2, 0.0]]), ambient);
+            let luminance = 0.1 * 0.2126 + 0.2 * 0.7152 + ambient;
+            assert!(
+                (found / (0.5 * 0.7152 / luminance) - 1.0).abs() < 1e-6,
+                "{found}"
+            );
+        }
+    }
+}

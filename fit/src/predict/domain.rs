@@ -301,3 +301,40 @@ fn unstated(sheet: &Fitted<'_>, place: &Viewpoint) -> Result<Option<String>, Err
         )
     }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A range of azimuths goes the short way round, so it may begin below 0 or end above 360. An
+    /// azimuth lies in it if a whole number of turns brings it there, and so does its image in a
+    /// cell that repeats itself.
+    #[test]
+    fn azimuths_lie_in_ranges_across_0() {
+        let sixfold = Symmetry {
+            rotations: 6,
+            mirror_deg: None,
+        };
+        let cases = [
+            ([350.0, 370.0], 5.0, [true, true]),
+            ([350.0, 370.0], 355.0, [true, true]),
+            ([350.0, 370.0], -5.0, [true, true]),
+            ([350.0, 370.0], 365.0, [true, true]),
+            ([350.0, 370.0], 10.0, [true, true]),
+            ([350.0, 370.0], 11.0, [false, false]),
+            ([350.0, 370.0], 349.0, [false, false]),
+            ([350.0, 370.0], 65.0, [false, true]),
+            ([-20.0, 10.0], 345.0, [true, true]),
+            ([-20.0, 10.0], 20.0, [false, false]),
+            ([-20.0, 10.0], 100.0, [false, true]),
+            ([20.0, 40.0], 380.0, [true, true]),
+            ([20.0, 40.0], 0.0, [false, false]),
+        ];
+        for (range, azimuth_deg, held) in cases {
+            let found = [Symmetry::NONE, sixfold]
+                .map(|symmetry| holds_azimuth(range, azimuth_deg, symmetry));
+            assert_eq!(found, held, "{azimuth_deg} in {range:?}");
+        }
+        assert_eq!(cases.len(), 13);
+    }
+}

@@ -337,6 +337,59 @@ fn integer_formats() {
     assert_eq!((photo.width, photo.height, cases), (64, 48, 14));
 }
 
+/// A picture whose pixels are half transparent gives the light of its codes times alpha, once: of
+/// 8 bits 128/255, of 16 bits 32768/65535.
+#[test]
+fn alpha_takes_its_part_of_the_light_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let size = (WIDTH as u32, HEIGHT as u32);
+    let code = |x: u32, y: u32| ((x * 7 + y * 11) % 250) as u8;
+    let rgba8 = ImageBuffer::from_fn(size.0, size.1, |x, y| {
+        Rgba([code(x, y), 255, code(y, x), 128])
+    });
+    let rgba16 = ImageBuffer::from_fn(size.0, size.1, |x, y| {
+        Rgba([code(x, y), 255, code(y, x), 128].map(|v| u16::from(v) << 8))
+    });
+    let greya8 = ImageBuffer::from_fn(size.0, size.1, |x, y| LumaA([code(x, y), 128]));
+    let folder = folder.path();
+    let cases: [(PathBuf, f32, f32); 3] = [
+        (save(folder, "8.png", rgba8, ImageFormat::Png), 255.0, 1.0),
+        (
+            save(folder, "16.png", rgba16, ImageFormat::Png),
+            65535.0,
+            256.0,
+        ),
+        (
+            save(folder, "grey.png", greya8, ImageFormat::Png),
+            255.0,
+            1.0,
+        ),
+    ];
+    for (file, full, step) in &cases {
+        for transfer in [Transfer::Linear, Transfer::Srgb] {
+            let read = crate::photographs::load_colour(file, Some(transfer)).unwrap();
+            for (k, plane) in read.planes.iter().enumerate() {
+                for (i, &found) in plane.iter().enumerate() {
+                    let (x, y) = ((i % WIDTH) as u32, (i / WIDTH) as u32);
+                    let own = [code(x, y), 255, code(y, x)][k];
+                    let light = transfer.to_linear(f32::from(own) * step / full);
+                    let expected = light * 128.0 * step / full;
+                    assert!(
+                        (found - expected).abs() < 1e-6,
+                        "{k} {x} {y}: {found} {expected}"
+                    );
+                }
+            }
+            let said = read
+                .warnings
+                .iter()
+                .filter(|said| said.contains("transparent"));
+            assert_eq!(said.count(), 1);
+        }
+    }
+    assert_eq!(cases.len(), 3);
+}
+
 #[test]
 fn saturated_pixels_are_counted() {
     let folder = tempfile::tempdir().unwrap();

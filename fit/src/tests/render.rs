@@ -350,6 +350,52 @@ fn tiles_meet_every_pixels_own_weights() {
     assert_eq!(cases, 48 * 30);
 }
 
+/// Tiles mix the weights of their corners by the place of each pixel's middle. A blur that is the
+/// same everywhere, in light that is linear between the corners along both axes, is then exact: the
+/// sums of products of f32 below 1 round by less than 1e-6. The light has corners of its own at
+/// quarters of the width, so that there are 4 x 2 tiles.
+#[test]
+fn tiles_of_one_blur_in_linear_light_are_exact() {
+    let size = [45, 31];
+    let source = picture(size[0], size[1], 0);
+    let one = Psf::new(&Squares, &place(2.5, 0.0), PIXELS).unwrap();
+    let corners = [1.0, 0.3, 0.7, 0.2, 0.9];
+    let light = |[x, y]: [f64; 2]| {
+        let at = (x + 0.5) / size[0] as f64 * 4.0;
+        let k = (at as usize).min(3);
+        let across = corners[k] + (corners[k + 1] - corners[k]) * (at - k as f64);
+        across * (0.4 + 0.6 * (y + 0.5) / size[1] as f64)
+    };
+    let at = |place: [f64; 2]| -> Result<Psf, Fault> {
+        let energy = Some(light(place));
+        Ok(Psf {
+            energy,
+            ..one.clone()
+        })
+    };
+    let tiles = Tiles::new(size, 1e-3, UNWATCHED, at).unwrap();
+    println!("{:?} tiles", tiles.counts());
+    assert!(
+        tiles.counts()[0] == 4 && tiles.error < 1e-6,
+        "{}",
+        tiles.error
+    );
+    let images = tiles.render(&source.planes, size, UNWATCHED);
+    let mut cases = 0;
+    for (image, plane) in images.iter().zip(&source.planes) {
+        for (i, &found) in image.iter().enumerate() {
+            let pixel = [i % size[0], i / size[0]];
+            let expected = gathered(plane, size, &one, pixel) * light(pixel.map(|i| i as f64));
+            assert!(
+                (f64::from(found) - expected).abs() < 1e-6,
+                "{pixel:?}: {found} {expected}"
+            );
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 3 * 45 * 31);
+}
+
 #[test]
 fn pictures_come_back_from_their_files() {
     let folder = tempfile::tempdir().unwrap();

@@ -230,3 +230,28 @@ fn weights(
     }
     weights
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A spot without a blur has the OTF 1 beyond every rim. The bound of what is cut off is then,
+    /// for each axis, twice the sum of 1/(pi (rim + m))^2 over m >= 0. Its closed form has the first
+    /// terms of Euler and Maclaurin, and is at most 1/30 of the fifth power too large: 2 % of the
+    /// sum at a rim of 1.
+    #[test]
+    fn what_is_cut_off_is_bounded_by_the_sum_beyond_the_rim() {
+        let mut cases = 0;
+        for half in [2, 4, 8] {
+            let rim = 0.5 * half as f64;
+            let terms = (0..1_000_000).map(|m| (PI * (rim + f64::from(m))).powi(-2));
+            // Beyond the last term the sum is an integral.
+            let sum = terms.sum::<f64>() + 1.0 / (PI * PI * (rim + 1e6 - 0.5));
+            let found = cut_off(&|_, _| Complex64::ONE, [5, 5], half);
+            let ratio = found / (4.0 * sum);
+            assert!((1.0 - 1e-9..1.02).contains(&ratio), "{half}: {ratio}");
+            cases += 1;
+        }
+        assert_eq!(cases, 3);
+    }
+}
