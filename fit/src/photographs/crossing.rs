@@ -397,4 +397,44 @@ mod tests {
         }
         assert_eq!(cases, 7);
     }
+    /// Beyond an MTF the curve is the modulus of complex noise: the mean of its square is twice the
+    /// square of the noise of one component. The frequencies are those that are told apart, and
+    /// each square scatters by itself, so the mean of n of them scatters by 1/sqrt(n); the limit is
+    /// 4 of these.
+    #[test]
+    fn the_noise_of_a_component_is_half_of_the_power_beyond_the_mtf() {
+        const DRAWS: u64 = 40;
+        const REACH: usize = 60;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for seed in 0..DRAWS {
+            let mut stream = Stream(seed);
+            let bins = 2 * REACH + 1;
+            let profile = Profile {
+                reach: REACH,
+                count: vec![20.0; bins],
+                // A blur of 2 pixels leaves 4e-9 of the contrast at half the sampling frequency.
+                mean: (0..bins)
+                    .map(|j| {
+                        let s = (j as f64 - REACH as f64) * BIN_PX;
+                        0.5 * libm::erfc(-s / (2.0 * std::f64::consts::SQRT_2))
+                            + 0.01 * stream.normal()
+                    })
+                    .collect(),
+                excess: vec![[0.0; 3]; bins],
+                variance: vec![1e-4; bins],
+                noise: [0.01; 2],
+            };
+            let curve = Curve::new(&profile, 1.0, 128);
+            for k in (64..128).step_by(curve.correlated) {
+                sum += (curve.modulus[k] / curve.noise(k)).powi(2);
+                count += 1.0;
+            }
+        }
+        let mean = sum / count;
+        println!("{mean:.3} over {count} squares");
+        assert!(
+            count > 400.0 && (mean / 2.0 - 1.0).abs() < 4.0 / f64::sqrt(count),
+            "{mean}"
+        );
+    }
 }

@@ -167,3 +167,44 @@ fn across(profile: &Profile, curvature: f64) -> (f64, f64) {
     let terms = factor::back_substituted(&factor, 2, 2);
     (terms[1], factor[(1, 2)].powi(2))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photographs::photo::plane::Photo;
+    use crate::photographs::photo::taken::Taken;
+
+    /// Light that rises by a hundredth a pixel goes from 0.8 to 1.2 over 41 pixels, a ratio of 1.5;
+    /// two such lights multiply. The numbers round by less than 1e-14.
+    #[test]
+    fn unevenness_is_the_ratio_of_largest_to_smallest_light() {
+        let photo = Photo {
+            width: 41,
+            height: 21,
+            luminance: vec![0.5; 41 * 21],
+            clip_level: None,
+            clips_alone: true,
+            transfer: Taken::default(),
+            warnings: Vec::new(),
+        };
+        let window = Window::of(&photo, None).expect("the whole picture");
+        let light = Light {
+            line: EdgeLine {
+                normal_rad: 0.0,
+                offset_px: 0.0,
+                normal_standard_error_rad: 0.0,
+                bend: None,
+            },
+            terms: [0.01, 0.0, 0.0],
+            is_steep: false,
+        };
+        for (lights, expected) in [
+            (vec![], 0.0),
+            (vec![light], 0.5),
+            (vec![light, light], 1.25),
+        ] {
+            let found = unevenness(&lights, &window);
+            assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+        }
+    }
+}

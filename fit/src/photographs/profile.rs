@@ -356,4 +356,52 @@ mod tests {
         }
         assert_eq!(cases.len(), 3);
     }
+    /// Checks the noise of bins of few pixels by hand. Bins of 6 pixels at the level 1 scatter by
+    /// 0.1 about their mean, and bins of 10 at the level 3 by 0.2: pixels have the variances
+    /// 6/5 x 0.01 and 10/9 x 0.04. The line through both holds at the level 2 of the last bin,
+    /// whose 5 pixels are too few to count. Sums of numbers up to 90 round by less than 1e-12 of
+    /// the least scatter, 0.06.
+    #[test]
+    fn the_noise_of_few_pixels_is_over_their_degrees_of_freedom() {
+        let kinds = [(6.0, 1.0, 0.1), (10.0, 3.0, 0.2), (5.0, 2.0, 9.0)];
+        let bins: Vec<(f64, f64, f64)> = [0, 1, 0, 1, 1, 0, 0, 1, 2].map(|k| kinds[k]).to_vec();
+        let sums: Vec<Sums> = bins
+            .iter()
+            .map(|&(n, level, off)| Sums {
+                n,
+                value: n * level,
+                value2: n * (level * level + off * off),
+                ..Sums::default()
+            })
+            .collect();
+        let mut profile = Profile {
+            reach: 4,
+            count: bins.iter().map(|bin| bin.0).collect(),
+            mean: bins.iter().map(|bin| bin.1).collect(),
+            excess: vec![[0.0; 3]; 9],
+            variance: Vec::new(),
+            noise: [0.0; 2],
+        };
+        profile.estimate_noise(&sums, 2.5);
+        let pixel = [1.2 * 0.01, 0.04 / 0.9];
+        let expected = [
+            pixel[0] / 6.0,
+            pixel[1] / 10.0,
+            0.5 * (pixel[0] + pixel[1]) / 5.0,
+        ];
+        let mut cases = 0;
+        for (found, bin) in profile.variance.iter().zip(&bins) {
+            let kind = kinds
+                .iter()
+                .position(|kind| kind == bin)
+                .expect("one of them");
+            let ratio = found / (2.5 * expected[kind]);
+            assert!((ratio - 1.0).abs() < 1e-10, "{bin:?}: {ratio}");
+            cases += 1;
+        }
+        assert_eq!(cases, 9);
+        for (found, variance) in profile.noise.into_iter().zip(pixel) {
+            assert!((found.powi(2) / variance - 1.0).abs() < 1e-10, "{found}");
+        }
+    }
 }

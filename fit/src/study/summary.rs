@@ -150,3 +150,76 @@ fn mean(values: &[f64]) -> Figure {
         error: (variance / n).sqrt(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Chances;
+    use crate::study::trial::Quality;
+
+    /// Checks a row by hand. Of four campaigns c is off by 1, -1, 3 and 3 bounds. The squares 1, 1,
+    /// 9 and 9 have the mean 5 and the variance 64 / 3, so the mean has the error sqrt(16 / 3), and
+    /// its root sqrt(5) that over 2 sqrt(5). With errors of twice the bound the pulls are 0.5, -0.5,
+    /// 1.5 and 1.5: their mean is 0.75, with a variance of 2.75 / 3. With errors of the bound, half
+    /// of the intervals hold the truth.
+    #[test]
+    fn a_row_of_four_campaigns_by_hand() {
+        let quality = Quality {
+            verdict: Verdict::Good,
+            scale: 1.0,
+            p_values: Chances {
+                chi2: 1.0,
+                across: 1.0,
+                along: 1.0,
+                photograph: 1.0,
+                light: 1.0,
+            },
+        };
+        let trial = |off: f64| {
+            let bound = [0.01, 0.1, 0.02];
+            let truth = [0.3, 4.0, 0.5];
+            let found = |by: f64| [0, 1, 2].map(|i| [truth[i] + off * bound[i], by * bound[i]]);
+            Trial {
+                index: 0,
+                photographs: 2,
+                electrons: 1e4,
+                cut_off: false,
+                truth,
+                bound,
+                found: [found(2.0), found(1.0)],
+                fit: [quality; 2],
+            }
+        };
+        let summary = Summary::new(&[1.0, -1.0, 3.0, 3.0].map(trial), Vec::new());
+        assert_eq!((summary.campaigns, summary.counted), (4, 4));
+        let mut cases = 0;
+        for row in &summary.rows {
+            let (pull, share) = match row.loss {
+                Kind::Edge => (1.0, 0.5),
+                _ => (0.5, 1.0),
+            };
+            for (found, value, error) in [
+                (
+                    row.rmse_over_bound,
+                    5.0_f64.sqrt(),
+                    (16.0_f64 / 3.0 / 20.0).sqrt(),
+                ),
+                (
+                    row.bias_over_standard_error,
+                    1.5 * pull,
+                    pull * (11.0_f64 / 12.0).sqrt(),
+                ),
+                (
+                    row.coverage,
+                    share,
+                    (share * (1.0_f64 - share) / 4.0).sqrt(),
+                ),
+            ] {
+                assert!((found.value - value).abs() < 1e-12, "{row:?}");
+                assert!((found.error - error).abs() < 1e-12, "{row:?}");
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 6 * 3);
+    }
+}

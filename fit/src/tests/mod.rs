@@ -34,7 +34,7 @@ mod noise;
 mod nominal;
 mod pages;
 mod photo_formats;
-mod photographs;
+pub(crate) mod photographs;
 mod pixels;
 mod placed;
 pub(crate) mod planted;

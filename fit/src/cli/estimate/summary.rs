@@ -171,3 +171,30 @@ fn bounded(id: ParameterId, bound: Bound) -> String {
     };
     format!("{id} {side} ({:.0} % confidence)", 100.0 * bound.confidence)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A value of 0.36 for a planted 0.3 is a fifth of the truth too large.
+    #[test]
+    fn differences_are_shares_of_the_truth() {
+        let truth = "{\"truth\": {\"kernel\": \"eq1\", \"c\": 0.3}}";
+        let truth: Truth = serde_json::from_str(truth).expect("it is JSON");
+        let mut rows = Rows {
+            text: String::new(),
+            truth: Some(&truth),
+        };
+        let number = Number {
+            value: Some(0.36),
+            standard_error: Some(0.01),
+        };
+        rows.row("c (mm)", ParameterKind::CornerSize.shared(), number);
+        let text = rows.text;
+        assert!(
+            text.contains("0.36000") && text.contains("0.01000"),
+            "{text}"
+        );
+        assert!(text.trim_end().ends_with("+20.000 %"), "{text}");
+    }
+}

@@ -308,3 +308,96 @@ impl std::fmt::Display for Frequency {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::photographs::{BRIGHT, DARK, noisy, photo, rise};
+
+    /// The numbers of a report about an edge that is known: a Gaussian of 1.5 pixels between two
+    /// plateaus, in even noise. Its MTF is exp(-2 (pi sigma f)^2). The plateaus are means of some
+    /// thousand pixels, and the noise is known to a hundredth; five standard errors are allowed.
+    #[test]
+    fn a_report_has_the_numbers_of_a_known_edge() {
+        const SIGMA_PX: f64 = 1.5;
+        const PITCH_MM: f64 = 0.05;
+        const NOISE: f64 = crate::tests::photographs::NOISE;
+        let (sin, cos) = 5.0_f64.to_radians().sin_cos();
+        let picture = photo(240, 200, |x, y| {
+            let s = (x - 120.3) * cos + (y - 99.1) * sin;
+            DARK + (BRIGHT - DARK) * rise(s, SIGMA_PX)
+        });
+        let picture = noisy(picture, 4);
+        let request = |pitch_mm: Option<f64>| Request {
+            decode: Decode::default(),
+            roi: None,
+            accept: Vec::new(),
+            pitch_mm,
+            at: vec![0.2 / pitch_mm.unwrap_or(1.0)],
+        };
+        let [plain, scaled] = [None, Some(PITCH_MM)].map(|pitch_mm| {
+            of_photo(Path::new("edge"), &picture, &request(pitch_mm)).expect("there is an edge")
+        });
+        let contrast = BRIGHT - DARK;
+        assert!((plain.contrast - contrast).abs() < 5.0 * NOISE / 1000.0_f64.sqrt());
+        for noise in plain.pixel_noise {
+            assert!((noise / NOISE - 1.0).abs() < 0.05, "{noise}");
+        }
+        let ratio = plain.signal_to_noise * NOISE / contrast;
+        assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
+        let falls = |level: f64| (-0.5 * level.ln()).sqrt() / (std::f64::consts::PI * SIGMA_PX);
+        let mut cases = 0;
+        for (k, level) in [0.5_f64, 0.1].into_iter().enumerate() {
+            let [own, in_mm] = [&plain, &scaled].map(|report| report.levels[k].expect("it falls"));
+            let error = own.cycles_per_pixel_standard_error;
+            assert!(
+                (own.cycles_per_pixel - falls(level)).abs() < 5.0 * error,
+                "{own}"
+            );
+            assert!(own.per_mm.is_none() && error < 0.01 * falls(level), "{own}");
+            // Both are measured in their own unit, on the same curve: rounding alone differs.
+            for (found, expected) in [
+                (Some(in_mm.cycles_per_pixel), own.cycles_per_pixel),
+                (Some(in_mm.cycles_per_pixel_standard_error), error),
+                (in_mm.per_mm, own.cycles_per_pixel / PITCH_MM),
+                (in_mm.per_mm_standard_error, error / PITCH_MM),
+                (
+                    [scaled.mtf50_per_mm, scaled.mtf10_per_mm][k],
+                    own.cycles_per_pixel / PITCH_MM,
+                ),
+                (
+                    [scaled.mtf50, scaled.mtf10][k],
+                    own.cycles_per_pixel / PITCH_MM,
+                ),
+                (
+                    [scaled.mtf50_standard_error, scaled.mtf10_standard_error][k],
+                    error / PITCH_MM,
+                ),
+                ([plain.mtf50, plain.mtf10][k], own.cycles_per_pixel),
+                (
+                    [plain.mtf50_standard_error, plain.mtf10_standard_error][k],
+                    error,
+                ),
+            ] {
+                let found = found.expect("it is there");
+                assert!(
+                    (found / expected - 1.0).abs() < 1e-9,
+                    "{level}: {found} {expected}"
+                );
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 18);
+        let [one, other] = [&plain.at[0], &scaled.at[0]];
+        let known = (-2.0 * (std::f64::consts::PI * SIGMA_PX * 0.2).powi(2)).exp();
+        assert!(
+            (one.mtf - known).abs() < 5.0 * one.standard_error,
+            "{one:?}"
+        );
+        assert!((one.cycles_per_pixel - 0.2).abs() < 1e-12 && one.per_mm.is_none());
+        assert!((other.cycles_per_pixel - 0.2).abs() < 1e-12);
+        assert!((other.per_mm.expect("there is a pitch") - 4.0).abs() < 1e-12);
+        assert!((other.mtf / one.mtf - 1.0).abs() < 1e-9);
+        assert!((other.standard_error / one.standard_error - 1.0).abs() < 1e-9);
+    }
+}

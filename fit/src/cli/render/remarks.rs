@@ -98,3 +98,41 @@ pub(super) fn clipped(image: &Picture, writing: Writing) -> Option<String> {
         )
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::images::Viewpoint;
+    use crate::images::render::sampled::Spotted;
+    use crate::photographs::photo::transfer::Transfer;
+
+    /// A quarter of the light of 0.5 returns, and the image holds three fifths of it.
+    #[test]
+    fn light_beyond_the_rim_is_what_returns_and_is_not_there() {
+        let grey = |light: f32| Picture {
+            width: 8,
+            height: 4,
+            planes: vec![vec![light; 32]],
+            transfer: Transfer::Linear,
+            warnings: Vec::new(),
+        };
+        let seen = |light: f32| Seen {
+            image: grey(light),
+            spots: vec![Spotted {
+                place: Viewpoint {
+                    incidence_deg: 0.0,
+                    azimuth_deg: None,
+                    r_mm: 150.0,
+                },
+                energy: Some(0.25),
+                interpolated: false,
+            }],
+            transfer_error: 0.0,
+            tiles: None,
+            sampling_error: None,
+        };
+        let said = beyond_the_rim(&grey(0.5), &seen(0.6 * 0.125)).expect("it is much");
+        assert!(said.starts_with("40 % of the light"), "{said}");
+        assert_eq!(beyond_the_rim(&grey(0.5), &seen(0.96 * 0.125)), None);
+    }
+}
