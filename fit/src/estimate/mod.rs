@@ -47,7 +47,7 @@ mod verdict;
 mod watch;
 
 #[cfg(test)]
-pub(crate) use azimuth::{find, scatter};
+pub(crate) use azimuth::{Azimuth, find, scatter};
 pub use bound::Bound;
 pub(crate) use bound::Bounds;
 #[cfg(test)]

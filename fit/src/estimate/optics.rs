@@ -93,3 +93,31 @@ pub(crate) fn camera_of(pitch_mm: f64, parameters: &DVector<f64>) -> Camera {
         lens: Some(Lens { blur_mm, exponent }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{LN_2, PI, SQRT_2};
+
+    /// A lens that nobody measured blurs by a normal spread of half a pixel, or by twice as much or
+    /// half as much as one standard deviation. Its neighbour is 1.5 deviations wider, and one with
+    /// another exponent 1e-4 away.
+    #[test]
+    fn an_assumed_lens_is_half_a_pixel_times_or_over_2() {
+        let optics = Optics::assumed(0.08);
+        let blur_mm = SQRT_2 * PI * 0.5 * 0.08;
+        let [mean, deviation] = optics.prior().expect("it is assumed");
+        assert!((mean - blur_mm.ln()).abs() < 1e-14 && (deviation - LN_2).abs() < 1e-14);
+        let neighbours = optics.neighbours();
+        let wider = [
+            (blur_mm * 2.0_f64.powf(1.5), 2.0, 1.5 * LN_2),
+            (blur_mm, 2.0001, 1e-4),
+        ];
+        assert_eq!(neighbours.len(), wider.len());
+        for ((camera, step), (blur_mm, exponent, by)) in neighbours.into_iter().zip(wider) {
+            let lens = camera.lens.expect("it is assumed");
+            assert!((lens.blur_mm / blur_mm - 1.0).abs() < 1e-14, "{lens:?}");
+            assert!((lens.exponent - exponent).abs() < 1e-14 && (step - by).abs() < 1e-14);
+        }
+    }
+}

@@ -286,3 +286,26 @@ fn samples_do_not_depend_on_threads() {
     assert_eq!(one, run(3, 3));
     assert_ne!(one, run(1, 4));
 }
+
+/// Each photograph of each randomisation has samples of its own: of two photographs that are alike,
+/// by three randomisations, no two curves are the same.
+#[test]
+fn no_photograph_has_the_samples_of_another() {
+    let (mut scene, table) = campaign(Kernel::Eq1, LobeShape::Radial, 3.4);
+    scene.shots[1] = scene.shots[0].clone();
+    let choice = choice(Kernel::Eq1, LobeShape::Radial);
+    let renders = renders(&scene, &table, sampling(2, Sequence::Sobol));
+    let blur = Blur {
+        spread: 3.4,
+        c_mm: 0.31,
+    };
+    let drawn = (0..3).map(|randomisation| renders.drawn(choice, randomisation).unwrap());
+    let curves: Vec<Vec<f64>> = drawn
+        .flat_map(|scene| scene.shots)
+        .map(|shot| curve(&shot, None, choice, blur).bins)
+        .collect();
+    for (i, own) in curves.iter().enumerate() {
+        assert!(curves[..i].iter().all(|other| other != own), "{i}");
+    }
+    assert_eq!(curves.len(), 6);
+}

@@ -191,11 +191,22 @@ fn intervals_are_those_of_differences() {
 /// independent errors. All numbers are sums of few terms, so rounding alone differs.
 #[test]
 fn intervals_hold_the_errors_of_rays_and_of_the_azimuth() {
+    for (incidence_deg, expected) in [(20.0, 0.0), (40.0, 0.1)] {
+        let of_light = intervals_hold_both_errors(incidence_deg);
+        println!("{incidence_deg} deg: the azimuth adds {of_light:.3} of mu's error to the light");
+        assert!(of_light >= expected, "{of_light}");
+    }
+}
+
+/// Checks the errors of all numbers at an incidence. Returns the part of the luminance's error that
+/// the azimuth causes, over the rest.
+fn intervals_hold_both_errors(incidence_deg: f64) -> f64 {
     let planted = truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.24, 0.25);
     let mut table = all_azimuths(&planted, &[0.0, 20.0, 40.0]);
     let result = result(Kernel::Eq1, LobeShape::Radial, &table);
+    let places = || places(170.0, incidence_deg, vec![0.3, 0.9]);
     let halves = |result: &ResultFile, table: &Table| -> Vec<f64> {
-        let all = predict(result, table, &places(170.0, 20.0, vec![0.3, 0.9])).unwrap();
+        let all = predict(result, table, &places()).unwrap();
         let ends = all.iter().flat_map(ends);
         ends.map(|[low, high]| 0.5 * (high - low) / 1.959_964)
             .collect()
@@ -206,18 +217,19 @@ fn intervals_hold_the_errors_of_rays_and_of_the_azimuth() {
     let mut turned = result.clone();
     turned.azimuth_deg = Some(Number {
         value: Some(7.0),
-        standard_error: Some(10.0),
+        standard_error: Some(3.0),
     });
     let numbers = |azimuth: f64| -> Vec<f64> {
         let places = Places {
             azimuth_deg: Some(azimuth),
-            ..places(170.0, 20.0, vec![0.3, 0.9])
+            ..places()
         };
         let all = predict(&result, &table, &places).unwrap();
         all.iter().flat_map(parts).collect()
     };
-    let sides = numbers(30.0).into_iter().zip(numbers(10.0));
+    let sides = numbers(23.0).into_iter().zip(numbers(17.0));
     let by_azimuth: Vec<f64> = sides.map(|(a, b)| 0.5 * (a - b).abs()).collect();
+    let of_light = by_azimuth[0] / plain[0];
     let found = halves(&turned, &table);
     let mut most = 0.0_f64;
     for ((found, plain), by_azimuth) in found.iter().zip(&plain).zip(&by_azimuth) {
@@ -232,7 +244,7 @@ fn intervals_hold_the_errors_of_rays_and_of_the_azimuth() {
     let luminance = numbers(20.0)[0];
     table.standard_error = eta * 0.03;
     for (k, (found, plain)) in halves(&result, &table).into_iter().zip(plain).enumerate() {
-        let azimuths = table.direction(20.0, Some(20.0)).unwrap();
+        let azimuths = table.direction(incidence_deg, Some(20.0)).unwrap();
         let share = azimuths.standard_error / azimuths.retroreflected;
         let by_rays = if k % 5 == 0 { luminance * share } else { 0.0 };
         let expected = plain.hypot(by_rays);
@@ -241,6 +253,7 @@ fn intervals_hold_the_errors_of_rays_and_of_the_azimuth() {
             "{k}: {found} {expected}"
         );
     }
+    of_light
 }
 
 /// The numbers of a prediction that have intervals.
