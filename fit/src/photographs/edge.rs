@@ -186,7 +186,7 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
 /// from the common profile are regressed on its slope times the position along the edge. A fall of
 /// light along the edge, which looks like a turn on the steep part, is known from the plateaus.
 fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
-    let (mut products, mut n) = (Products::new(4), 0.0);
+    let (mut products, mut n) = (Products::new(4), 0.0_f64);
     for told in Steepness::new(profile).all(window, line) {
         let (t, slope) = (told.along_px, told.slope);
         products.add(&[slope, told.level * t, slope * t, told.off]);
@@ -202,6 +202,6 @@ fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
     if line.normal_rad.abs() > std::f64::consts::PI {
         line.normal_rad -= std::f64::consts::TAU * line.normal_rad.signum();
     }
-    line.normal_standard_error_rad = factor[(3, 3)] / (f64::sqrt(n) * spread);
+    line.normal_standard_error_rad = factor[(3, 3)] * (window.excess() / n).sqrt() / spread;
     step
 }

@@ -270,6 +270,7 @@ impl Repaired {
     fn count_noise(&mut self, excess: f64) -> Result<(), Fault> {
         self.window.set_excess(excess);
         self.as_lit.set_excess(excess);
+        self.line.normal_standard_error_rad *= excess.sqrt();
         self.profile = Profile::new(&self.window, &self.line).ok_or(Fault::TooSmall)?;
         Ok(())
     }

@@ -4,11 +4,14 @@
 
 use std::f64::consts::PI;
 
+use rayon::prelude::*;
+
 use crate::photographs::Measurement;
 use crate::photographs::Roi;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::edge::line::{Bend, EdgeLine};
+use crate::photographs::edge::shape;
 use crate::photographs::measure::edge;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::Decode;
@@ -204,6 +207,112 @@ fn wild_pixels_beyond_the_profile_are_left_out() {
         cases += 1;
     }
     assert_eq!(cases, 2);
+}
+
+/// A value that many bright pixels share is a ceiling only if none lies above it. With the noise
+/// cut off at the plateau, half of the plateau is at the ceiling; the share is that of all pixels
+/// above the middle, of which the edge of 0.8 pixels takes less than 2 %. Where a tenth of the
+/// bright pixels have the value of the plateau, with as many above it as below, nothing is clipped.
+#[test]
+fn a_value_is_a_ceiling_if_nothing_lies_above_it() {
+    let clean = degraded(5.0, SIGMA_PX, 1, |_, _, v| v);
+    let level = BRIGHT as f32;
+    let mut cut = clean.clone();
+    cut.luminance.iter_mut().for_each(|v| *v = v.min(level));
+    let Err(Fault::Clipped { share, level: at }) = edge(&cut, None, &[]) else {
+        panic!("it is clipped");
+    };
+    assert!(
+        (share - 0.5).abs() < 0.02 && at == f64::from(level),
+        "{share} {at}"
+    );
+    let mut common = clean;
+    let plateau = common.luminance.iter_mut().filter(|v| **v > 0.65);
+    plateau.step_by(10).for_each(|v| *v = level);
+    let measured = edge(&common, None, &[]).expect("nothing is clipped");
+    assert_eq!(measured.warnings, Vec::<String>::new());
+}
+
+/// The waves of an edge are those that were planted, and lower the MTF where it is one half as a
+/// displaced edge does: a sine of amplitude A by the Bessel function J0(2 pi f A), here of f =
+/// sqrt(ln 2 / 2) / (pi sigma). Pieces of 8 pixels see sinc(8 / 40) = 0.935 of a sine of 40 pixels,
+/// and the curve of the edge takes at most (10 / 5 pi)^2 = 40 % of the variance of five periods. So
+/// 0.72 to 1 of the amplitude is found. The rise is read off to half a bin at each end, which is 2.5 % of the blur and 5 % of the loss.
+#[test]
+fn waves_lower_the_mtf_by_what_is_stated() {
+    const BLUR_PX: f64 = 4.0;
+    let mut cases = 0;
+    for amplitude in [0.4, 0.8] {
+        let clean = photo(240, 200, |x, y| {
+            let off = amplitude * (2.0 * PI * y / 40.0).sin();
+            DARK + 0.6 * rise(distance(x, y, 120.3, 99.1, 5.0) + off, BLUR_PX)
+        });
+        let measured = edge(&noisy(clean, 9), None, &[]).expect("small waves are measured");
+        let waves = shape::waves(&measured.window, &measured.line, &measured.profile);
+        let half = (0.5 * 2.0_f64.ln()).sqrt() / (PI * BLUR_PX);
+        let of = |amplitude: f64| 1.0 - libm::j0(2.0 * PI * half * amplitude);
+        let found = waves.rms_px * 2.0_f64.sqrt();
+        println!(
+            "{amplitude}: {found:.3} px, loss {:.5} of {:.5}",
+            waves.loss,
+            of(found)
+        );
+        assert!((0.7..1.02).contains(&(found / amplitude)), "{found}");
+        assert!((waves.loss / of(found) - 1.0).abs() < 0.06, "{waves:?}");
+        cases += 1;
+    }
+    assert_eq!(cases, 2);
+}
+
+/// The standard error of the angle is the scatter of the angle: of edges in white noise, in noise
+/// that grows with the light, and in noise that neighbours share (a filter, with the same pixels
+/// otherwise). The mean square pull of n draws scatters by sqrt(2 / n); the limit is 4 of these.
+/// The factor of shared noise is some 4 % too low besides (see `correlation`).
+#[test]
+fn the_error_of_the_angle_is_its_scatter() {
+    let mut cases = 0;
+    for (name, draws, height, filter, [read, gain]) in [
+        ("white", 300, 64, [0.0, 1.0, 0.0], [1e-4, 0.0]),
+        ("shot", 150, 64, [0.0, 1.0, 0.0], [0.0, 2e-4]),
+        ("shared", 60, 200, [0.25, 0.5, 0.25], [4e-4, 0.0]),
+    ] {
+        let (size, middle) = ([64, height], 0.5 * height as f64 - 1.0);
+        let pull = |seed: u64| {
+            let mut stream = Stream(0xa9e1 << 20 | seed);
+            let deg = 3.0 + 12.0 * stream.uniform();
+            let place = [stream.uniform(), stream.uniform()];
+            let clean = photo(size[0], size[1], |x, y| {
+                let s = distance(x, y, 31.0 + place[0], middle + place[1], deg);
+                DARK + (BRIGHT - DARK) * rise(s, 1.5)
+            });
+            let noise: Vec<f64> = clean
+                .luminance
+                .iter()
+                .map(|&light| (read + gain * f64::from(light)).sqrt() * stream.normal())
+                .collect();
+            let mut noisy = clean;
+            for (i, value) in noisy.luminance.iter_mut().enumerate() {
+                let (x, y) = (i % size[0] + size[0], i / size[0] + size[1]);
+                let at = |j: usize, k: usize| {
+                    noise[(y + j - 1) % size[1] * size[0] + (x + k - 1) % size[0]]
+                };
+                let rows = |j: usize| (0..3).map(move |k| (j, k));
+                let all = (0..3).flat_map(rows);
+                *value += all
+                    .map(|(j, k)| filter[j] * filter[k] * at(j, k))
+                    .sum::<f64>() as f32;
+            }
+            let line = edge(&noisy, None, &[]).expect("there is an edge").line;
+            (line.normal_rad - deg.to_radians()) / line.normal_standard_error_rad
+        };
+        let pulls: Vec<f64> = (0..draws).into_par_iter().map(pull).collect();
+        let square = pulls.iter().map(|pull| pull * pull).sum::<f64>() / draws as f64;
+        println!("{name}: mean square pull of {draws} angles {square:.3}");
+        let scatter = 4.0 * (2.0 / draws as f64).sqrt();
+        assert!((square - 1.0).abs() < scatter + 0.04, "{name}: {square}");
+        cases += 1;
+    }
+    assert_eq!(cases, 3);
 }
 
 #[test]
