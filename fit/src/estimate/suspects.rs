@@ -136,10 +136,11 @@ struct Alternative {
     cost: f64,
 }
 
-/// Suspect that explains the misfit of the blur.
+/// Suspect that explains a misfit.
 struct Named {
     suspect: Suspect,
-    /// Sum of squares of its fit, less its degrees of freedom, plus the cost of the alternative.
+    /// Sum of squares that it leaves, less its degrees of freedom, plus the cost of the
+    /// alternative.
     left: f64,
 }
 
@@ -168,14 +169,11 @@ impl Search<'_> {
             // What is left of a wrong blur moves the levels of light too.
             return Ok(found);
         }
-        let mut light: Vec<Suspect> = self.exposure().into_iter().collect();
+        let mut light: Vec<Named> = self.exposure().into_iter().collect();
         if self.goodness.scale <= 1.0 {
             light.extend(self.of_light());
         }
-        light.sort_by(|a, b| a.chi2_if_so.total_cmp(&b.chi2_if_so));
-        let least = light.first().map_or(0.0, |best| best.chi2_if_so);
-        light.retain(|own| is_comparable(own.chi2_if_so, least));
-        Ok(light)
+        Ok(comparable(light))
     }
 
     /// Returns the mistakes that would explain the misfit of the blur.
@@ -192,10 +190,7 @@ impl Search<'_> {
         if !named.iter().any(|own| own.left <= own.suspect.noise()) {
             named.extend(self.named(now, &self.alternatives(), blurs.len())?);
         }
-        named.sort_by(|a, b| a.left.total_cmp(&b.left));
-        let least = named.first().map_or(0.0, |best| best.left);
-        named.retain(|own| is_comparable(own.left, least));
-        Ok(named.into_iter().map(|own| own.suspect).collect())
+        Ok(comparable(named))
     }
 
     /// Returns those of the alternatives that explain the misfit of the blur. The MTFs have the
@@ -223,14 +218,14 @@ impl Search<'_> {
         let excess = self.goodness.chi2 - self.goodness.degrees_of_freedom as f64;
         let named = rough.into_par_iter().filter_map(|(_, own, choice)| {
             let fit = self.by_the_loss(&own.scene, choice, by_mtf)?;
-            let left = freed(&fit) + own.cost;
+            let left = freed(&fit, &own.scene) + own.cost;
             let enough = excess - left > SURE.max(EXPLAINED * excess);
             enough.then(|| Named {
                 suspect: Suspect {
                     what: own.what.clone(),
                     captures: own.captures.clone(),
                     chi2_if_so: fit.solution.sum_of_squares(),
-                    degrees_of_freedom_if_so: freedom(&fit),
+                    degrees_of_freedom_if_so: freedom(&fit, &own.scene),
                 },
                 left,
             })
@@ -248,7 +243,7 @@ impl Search<'_> {
             let fit = rough_from(scene, choice, vec![self.start(scene, choice)]);
             (fit.solution.stop != Stop::Failed).then(|| Outcome {
                 choice,
-                excess: freed(&fit),
+                excess: freed(&fit, scene),
                 at: fit.solution.parameters,
             })
         });
@@ -286,19 +281,41 @@ impl Search<'_> {
     }
 }
 
-/// Returns whether a suspect that leaves `left` of a sum of squares is named beside the best one,
-/// which leaves `least`.
-fn is_comparable(left: f64, least: f64) -> bool {
-    left - least <= SURE.max(least)
+/// Returns the suspects that explain about as much as the best one, the best first.
+fn comparable(mut named: Vec<Named>) -> Vec<Suspect> {
+    named.sort_by(|a, b| a.left.total_cmp(&b.left));
+    let least = named.first().map_or(0.0, |best| best.left);
+    named.retain(|own| own.left - least <= SURE.max(least));
+    named.into_iter().map(|own| own.suspect).collect()
 }
 
 /// Returns the sum of squares of a fit less its degrees of freedom.
-fn freed(fit: &Optimum) -> f64 {
-    fit.solution.sum_of_squares() - freedom(fit) as f64
+fn freed(fit: &Optimum, scene: &Scene) -> f64 {
+    fit.solution.sum_of_squares() - freedom(fit, scene) as f64
 }
 
-/// Returns the degrees of freedom of a fit.
-fn freedom(fit: &Optimum) -> usize {
-    fit.observations
-        .saturating_sub(fit.solution.parameters.len())
+/// Returns the degrees of freedom of a fit. The observations are less the parameters of the lens
+/// already.
+fn freedom(fit: &Optimum, scene: &Scene) -> usize {
+    let layout = Layout::new(fit.choice, scene.groups.len());
+    fit.observations.saturating_sub(layout.parameters())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sum of 800 squares has the standard deviation 40, and noise stays within three of them.
+    #[test]
+    fn noise_leaves_three_standard_deviations() {
+        for (left, noise) in [(700.0, true), (919.9, true), (920.1, false)] {
+            let suspect = Suspect {
+                what: String::new(),
+                captures: Vec::new(),
+                chi2_if_so: left,
+                degrees_of_freedom_if_so: 800,
+            };
+            assert_eq!(suspect.leaves_noise(), noise, "{left}");
+        }
+    }
 }

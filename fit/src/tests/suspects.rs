@@ -9,7 +9,7 @@ use image::{ImageBuffer, Luma};
 use crate::estimate::campaign::campaign;
 use crate::estimate::scene;
 use crate::estimate::{
-    Candidates, Error, Estimated, Kind, Options, OtherTable, Step, Verdict, Watch,
+    Candidates, Error, Estimated, Kind, Options, OtherTable, Scene, Step, Verdict, Watch,
 };
 use crate::names::{Kernel, LobeShape};
 use crate::photographs::photo::transfer::Transfer;
@@ -17,7 +17,7 @@ use crate::photographs::{Campaign, captures};
 use crate::simulate::photograph;
 use crate::simulate::{Params, PlantedSheet};
 use crate::study::{campaign as manifest_of, source as source_of};
-use crate::tests::planted::{camera, params, table, truth};
+use crate::tests::planted::{camera, fitted, params, table, truth};
 use tables::Table;
 
 const INCIDENCE: [f64; 3] = [0.0, 20.0, 40.0];
@@ -56,15 +56,34 @@ fn eq1() -> Options {
 }
 
 /// Checks that one mistake of the manifest is noticed, and that its name comes first.
-fn is_named(expected: &str, mistake: impl FnOnce(&mut Campaign)) {
+fn is_named(named: &str, mistake: impl FnOnce(&mut Campaign)) {
     let (sheet, shots) = planted();
     let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);
     let found = found(&shots, &of_ideal, &eq1(), mistake).unwrap();
     let (goodness, suspects) = (&found.goodness, &found.suspects);
     println!("{goodness:?} {suspects:?}");
     assert_ne!(goodness.verdict, Verdict::Good);
-    assert_eq!(suspects[0].what, expected);
-    assert!(found.warnings.iter().any(|said| said.contains(expected)));
+    assert_eq!(suspects[0].what, named);
+    // The manifest without the mistake is the right one. Suspects of the blur are fitted until a
+    // step changes nothing by more than 1e-3, and of the light by the MTFs.
+    let right = Scene::of(
+        &manifest_of(&shots, &[]),
+        &of_ideal,
+        &source_of(&shots, photograph::saved),
+    );
+    let by = |kind| fitted(right.as_ref().unwrap(), found.best.choice, kind);
+    let (expected, freedom) = if goodness.scale > 1.0 {
+        let fit = by(found.kind);
+        (fit.chi2, fit.degrees_of_freedom())
+    } else {
+        let scatter = by(Kind::Mtf).scatter.unwrap();
+        (scatter.squares(), scatter.freedom)
+    };
+    let left = suspects[0].chi2_if_so;
+    println!("{left} of {expected}, {freedom} degrees of freedom");
+    assert!((left / expected - 1.0).abs() < 2e-3, "{left} {expected}");
+    assert_eq!(suspects[0].degrees_of_freedom_if_so, freedom);
+    assert!(found.warnings.iter().any(|said| said.contains(named)));
 }
 
 /// Photographs of the model are described by it: no test is significant, no error is raised, and no
@@ -167,25 +186,105 @@ fn one_wrong_incidence_is_named() {
 }
 
 /// A wrong exposure says nothing of the blur. So it raises the errors of mu alone, by the scatter
-/// of mu, and the errors of c and a stay as they are without the mistake.
+/// of mu, and the errors of c and a stay as they are without the mistake. What is left without the
+/// photograph is that of a fit without it.
 #[test]
 fn a_wrong_exposure_is_named_and_raises_mu_alone() {
     let (sheet, shots) = planted();
     let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);
-    let right = found(&shots, &of_ideal, &eq1(), |_| ()).unwrap();
-    let wrong = found(&shots, &of_ideal, &eq1(), |manifest| {
-        manifest.captures[3].shot.exposure *= 1.1;
-    })
-    .unwrap();
-    let goodness = &wrong.goodness;
-    println!("{goodness:?} {:?}", wrong.suspects);
-    assert_eq!(goodness.verdict, Verdict::Strained);
-    assert_eq!(goodness.scale, 1.0);
-    assert!(goodness.scale_of_mu > 1.0);
-    assert_eq!(wrong.suspects[0].captures, ["3"]);
-    assert!(wrong.suspects[0].what.contains("stated too large"));
-    assert_eq!(wrong.best.c_mm, right.best.c_mm);
-    assert_eq!(wrong.best.spread, right.best.spread);
+    let mut cases = 0;
+    for kind in [Kind::Mtf, Kind::Edge] {
+        let options = Options {
+            loss: Some(kind),
+            ..eq1()
+        };
+        let right = found(&shots, &of_ideal, &options, |_| ()).unwrap();
+        let wrong = found(&shots, &of_ideal, &options, |manifest| {
+            manifest.captures[3].shot.exposure *= 1.1;
+        })
+        .unwrap();
+        let goodness = &wrong.goodness;
+        println!("{goodness:?} {:?}", wrong.suspects);
+        assert_eq!(goodness.verdict, Verdict::Strained);
+        assert_eq!(goodness.scale, 1.0);
+        let scatter = wrong.best.scatter.as_ref().unwrap();
+        // Of nine photographs each mu takes one number.
+        let mu = wrong.best.mu.as_ref().unwrap().len();
+        assert_eq!(scatter.freedom, 9 - mu);
+        let raised = (scatter.squares() / (9 - mu) as f64).sqrt();
+        assert!(
+            (goodness.scale_of_mu / raised - 1.0).abs() < 1e-12,
+            "{raised}"
+        );
+        let suspect = &wrong.suspects[0];
+        assert_eq!(suspect.captures, ["3"]);
+        assert!(suspect.what.contains("stated too large"));
+        assert_eq!(wrong.best.c_mm, right.best.c_mm);
+        assert_eq!(wrong.best.spread, right.best.spread);
+        let without = fitted(&wrong.scene.without(3), wrong.best.choice, kind);
+        let left = without.scatter.unwrap();
+        println!(
+            "{kind:?}: {} {} for {}",
+            scatter.squares(),
+            suspect.chi2_if_so,
+            left.squares()
+        );
+        assert_eq!(suspect.degrees_of_freedom_if_so, left.freedom);
+        let off = suspect.chi2_if_so / left.squares() - 1.0;
+        assert!(off.abs() < 1e-9, "{off}");
+        cases += 1;
+    }
+    assert_eq!(cases, 2);
+}
+
+/// A lobe alone does not tell the incidences apart, but mu does: with two of them exchanged, the mu
+/// of three incidences differ by more than their errors. Without the mistake they are those of the
+/// right manifest, and scatter about their mean as those do, of three numbers with one mean.
+#[test]
+fn exchanged_incidences_of_a_lobe_are_named_by_mu() {
+    let sheet = truth(Kernel::Lobe, LobeShape::Radial, 3.4, 0.33, 0.5);
+    let shots = params(74, sheet.clone(), &INCIDENCE, &[150.0, 300.0], camera(4e4));
+    let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);
+    let options = |per_angle_mu| {
+        Options::new(Candidates {
+            kernels: vec![Kernel::Lobe],
+            per_angle_a: Some(false),
+            per_angle_mu,
+            ..Candidates::proposed()
+        })
+    };
+    let right = found(&shots, &of_ideal, &options(Some(true)), |_| ()).unwrap();
+    let mu = right.best.mu.unwrap();
+    let own: Vec<[f64; 2]> = mu
+        .iter()
+        .map(|mu| [mu.value.ln(), (mu.value / mu.standard_error).powi(2)])
+        .collect();
+    let weights: f64 = own.iter().map(|[_, weight]| weight).sum();
+    let mean = own.iter().map(|[v, weight]| v * weight).sum::<f64>() / weights;
+    let expected: f64 = own
+        .iter()
+        .map(|[v, weight]| (v - mean).powi(2) * weight)
+        .sum();
+    let wrong = found(&shots, &of_ideal, &options(None), |manifest| {
+        for capture in &mut manifest.captures {
+            capture.incidence_deg = match capture.incidence_deg {
+                20.0 => 40.0,
+                40.0 => 20.0,
+                other => other,
+            };
+        }
+    });
+    let wrong = wrong.unwrap();
+    println!("{:?} {:?}, {expected}", wrong.goodness, wrong.suspects);
+    assert_eq!(wrong.goodness.verdict, Verdict::Good);
+    let what = "the incidences 20 and 40 deg are exchanged";
+    let suspect = wrong.suspects.iter().find(|own| own.what == what).unwrap();
+    assert_eq!(suspect.degrees_of_freedom_if_so, 2);
+    // The fits end at 1e-10 of the sum of squares.
+    assert!(
+        (suspect.chi2_if_so / expected - 1.0).abs() < 1e-3,
+        "{expected}"
+    );
 }
 
 /// A table for another index or another cell does not fit. The right index is named, and the right
