@@ -1,8 +1,9 @@
 //! Uneven light of a lamp, which is blurred with the edge, and of a camera, which is not. Both are
 //! planted by sums over pixels in two dimensions, which share nothing with the estimator.
 
-use crate::compare::{Photograph, Pixels, are_uneven};
+use crate::compare::{Nuisances, Photograph, Pixels, are_uneven};
 use crate::model::{Camera, Lens};
+use crate::photographs::PixelNoise;
 use crate::photographs::edge::line::{Bend, EdgeLine, ORDERS};
 use crate::photographs::measure;
 use crate::photographs::photo::plane::Photo;
@@ -184,6 +185,75 @@ fn a_wrong_curve_does_not_move_the_step_in_uneven_light() {
         cases += 1;
     }
     assert_eq!(cases, 3);
+}
+
+/// What the pixels do not tell keeps the mean and the deviation that it has before. A number that
+/// lies anywhere between 0 and m has m/2 and m/sqrt(12): the share of the lamp (m = 1), and the lit
+/// part of the dark plateau (m = the plateau). In even light the pixels tell nothing of both: the
+/// picture leaves 1e-4 of uneven light, by which they tell less than 1e-3 of what the range does,
+/// and the dark plateau is found to 1e-3. In endless noise they tell nothing of the curve either,
+/// whose orders have 0.5 px.
+#[test]
+fn what_the_pixels_do_not_tell_keeps_its_range() {
+    const DARK: f64 = 0.05;
+    const BLUR_PX: f64 = 3.0;
+    const ORDER: usize = 4;
+    let (sin, cos) = NORMAL_RAD.sin_cos();
+    let picture = photo(SIZE[0], SIZE[1], |x, y| {
+        let (x, y) = (x - 95.5, y - 63.5);
+        let blur = (BLUR_PX * BLUR_PX + 1.0 / 12.0).sqrt();
+        DARK + 0.3 * libm::erfc(-(x * cos + y * sin) / (blur * SQRT_2))
+    });
+    let measured = measure::edge(&picture, None, &[]).expect("there is an edge");
+    let line = EdgeLine {
+        bend: Some(Bend {
+            middle_px: 0.0,
+            half_px: 80.0,
+            terms_px: [0.0; ORDERS - 1],
+            order: ORDER,
+        }),
+        ..measured.line
+    };
+    let pixels = Pixels::new(&measured.as_lit, &line);
+    let camera = Camera {
+        pitch_mm: 1.0,
+        lens: Some(Lens {
+            blur_mm: SQRT_2 * PI * BLUR_PX,
+            exponent: 2.0,
+        }),
+    };
+    let mut photograph = Photograph::new(&pixels, 1.0);
+    let curves = photograph.curves(None, &camera, 0);
+    photograph.settle(&curves);
+    photograph.settle_unevenly(&curves);
+    let mut cases = 0;
+    for (read, bends) in [(1e-4, 0), (1e8, ORDER - 1)] {
+        photograph.with_noise(&curves, PixelNoise { read, gain: 0.0 });
+        let fitted = photograph.fit(&curves);
+        let own = fitted.columns;
+        let factor = fitted.factor.view((0, 0), (own, own)).into_owned();
+        let inverse = factor
+            .try_inverse()
+            .expect("all have a range or a photograph");
+        let error = |column: usize| inverse.row(column).norm();
+        println!("{:?}", fitted.nuisances);
+        let Nuisances { lamp, lit, .. } = fitted.nuisances;
+        for (value, column, most) in [(lamp, own - 2, 1.0), (lit, own - 3, DARK)] {
+            let (mean, error) = (value / (0.5 * most), error(column) * 12.0_f64.sqrt() / most);
+            println!("{read:e}: {mean:.5} {error:.5}");
+            assert!(
+                (mean - 1.0).abs() < 2e-3 && (error - 1.0).abs() < 2e-3,
+                "{mean} {error}"
+            );
+            cases += 1;
+        }
+        for k in 0..bends {
+            let error = error(own - 4 - k);
+            assert!((error / 0.5 - 1.0).abs() < 2e-3, "{k}: {error}");
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 4 + ORDER - 1);
 }
 
 /// In little light the four strips do not hold the high orders of a curve. The orders stay where
