@@ -159,9 +159,9 @@ mod tests {
 
     /// Checks a row by hand. Of four campaigns c is off by 1, -1, 3 and 3 bounds. The squares 1, 1,
     /// 9 and 9 have the mean 5 and the variance 64 / 3, so the mean has the error sqrt(16 / 3), and
-    /// its root sqrt(5) that over 2 sqrt(5). With errors of twice the bound the pulls are 0.5, -0.5,
-    /// 1.5 and 1.5: their mean is 0.75, with a variance of 2.75 / 3. With errors of the bound, half
-    /// of the intervals hold the truth.
+    /// its root sqrt(5) has that over 2 sqrt(5). With errors of twice the bound the pulls are 0.5,
+    /// -0.5, 1.5 and 1.5: their mean is 0.75, with a variance of 2.75 / 3. With errors of the
+    /// bound, half of the intervals hold the truth.
     #[test]
     fn a_row_of_four_campaigns_by_hand() {
         let quality = Quality {

@@ -237,7 +237,8 @@ fn a_value_is_a_ceiling_if_nothing_lies_above_it() {
 /// displaced edge does: a sine of amplitude A by the Bessel function J0(2 pi f A), here of f =
 /// sqrt(ln 2 / 2) / (pi sigma). Pieces of 8 pixels see sinc(8 / 40) = 0.935 of a sine of 40 pixels,
 /// and the curve of the edge takes at most (10 / 5 pi)^2 = 40 % of the variance of five periods. So
-/// 0.72 to 1 of the amplitude is found. The rise is read off to half a bin at each end, which is 2.5 % of the blur and 5 % of the loss.
+/// 0.72 to 1 of the amplitude is found. The rise is read off to half a bin at each end, which is
+/// 2.5 % of the blur and 5 % of the loss.
 #[test]
 fn waves_lower_the_mtf_by_what_is_stated() {
     const BLUR_PX: f64 = 4.0;

@@ -236,9 +236,9 @@ mod tests {
     use super::*;
 
     /// A spot without a blur has the OTF 1 beyond every rim. The bound of what is cut off is then,
-    /// for each axis, twice the sum of 1/(pi (rim + m))^2 over m >= 0. Its closed form has the first
-    /// terms of Euler and Maclaurin, and is at most 1/30 of the fifth power too large: 2 % of the
-    /// sum at a rim of 1.
+    /// for each axis, twice the sum of 1/(pi (rim + m))^2 over m >= 0. Its closed form has the
+    /// first terms of Euler and Maclaurin. The next term makes it too large by at most
+    /// 1/(30 rim^5), which is 2 % of the sum at a rim of 1.
     #[test]
     fn what_is_cut_off_is_bounded_by_the_sum_beyond_the_rim() {
         let mut cases = 0;
