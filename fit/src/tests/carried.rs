@@ -107,8 +107,61 @@ fn a_misfit_raises_standard_errors_by_its_factors() {
             assert_eq!(more.value, own.value);
             cases += 1;
         }
+        // Independent errors of the logarithms, as of samples or of an azimuth, add as squares.
+        let mut more = fit.clone();
+        let added = [0.01, -0.02, 0.03];
+        let alone = more.add_scatter(&DMatrix::from_fn(3, 3, |i, j| added[i] * added[j]));
+        for (i, (with, own)) in more.values().zip(fit.values()).enumerate() {
+            let by = added[i] * own.value;
+            let expected = (own.standard_error.powi(2) + by * by).sqrt();
+            assert!((alone[i] / by.abs() - 1.0).abs() < 1e-12);
+            assert!((with.standard_error / expected - 1.0).abs() < 1e-12);
+            for (j, other) in fit.values().enumerate() {
+                let expected = fit.covariance[(i, j)] + by * added[j] * other.value;
+                let scale = more.covariance[(i, i)].sqrt() * more.covariance[(j, j)].sqrt();
+                assert!((more.covariance[(i, j)] - expected).abs() < 1e-12 * scale);
+                cases += 1;
+            }
+        }
     }
-    assert_eq!(cases, 2 * 3);
+    assert_eq!(cases, 2 * (3 + 9));
+}
+
+/// Differences of light are in units of the noise and of the error of eta. The table returns a
+/// fifth more light at one incidence than the sheet does, and states an error of 0.05. So the
+/// differences of both incidences lie ln(1.2) / 0.05 apart, whatever the weights of their mean is.
+/// The noise of the pixels is about a hundredth of that error, and moves means of three by less.
+#[test]
+fn differences_of_light_hold_the_error_of_eta() {
+    let incidence = [5.0, 30.0];
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
+    let of_ideal = table(&planted, &incidence, 20.0);
+    let mut scene = scene(
+        &params(51, planted, &incidence, &[150.0, 220.0, 300.0], camera(4e5)),
+        &of_ideal,
+    );
+    for shot in &mut scene.shots {
+        let returned = &mut shot.facing.returned;
+        returned.retroreflected *= [1.2, 1.0][shot.group];
+        returned.standard_error = 0.05 * returned.retroreflected;
+    }
+    let expected = 1.2_f64.ln() / 0.05;
+    let mut cases = 0;
+    for kind in [Kind::Mtf, Kind::Edge] {
+        let fit = fitted(&scene, SHARED, kind);
+        let scatter = fit.scatter.expect("there is a reference");
+        assert_eq!((scatter.freedom, scatter.each.len()), (5, 6));
+        let apart = (3..6)
+            .map(|i| scatter.each[i] - scatter.each[i - 3])
+            .sum::<f64>()
+            / 3.0;
+        println!("{kind:?}: {apart:.3} {expected:.3}, {:?}", scatter.each);
+        assert!((apart / expected - 1.0).abs() < 0.03, "{apart} {expected}");
+        let squares: f64 = scatter.each.iter().map(|v| v * v).sum();
+        assert!((scatter.squares() / squares - 1.0).abs() < 1e-12);
+        cases += 1;
+    }
+    assert_eq!(cases, 2);
 }
 
 /// Checks the part of mu's covariance that the table's rays cause. All photographs of one
@@ -317,4 +370,131 @@ fn a_planted_lens_and_its_step_are_found() {
         }
     }
     assert_eq!(cases, 6);
+}
+
+/// Checks the covariance of a measured lens: the inverse of the normal matrix by differences, times
+/// chi-square per degree of freedom if that is above 1. The edge is a lens's with a ripple of the
+/// given height, in units of the noise of a bin. Central differences over 1e-3 err by 1e-6 of third
+/// derivatives, which are at most some ten times the first.
+#[test]
+fn a_misfit_of_the_reference_widens_the_lens() {
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
+    let of_ideal = table(&planted, &[0.0], 20.0);
+    let scene = scene(
+        &params(53, planted, &[0.0], &[150.0], camera(4e4)),
+        &of_ideal,
+    );
+    let pitch_mm = scene.optics.camera.pitch_mm;
+    let of = |lens: Option<Lens>| Camera { pitch_mm, lens };
+    let view = &scene.shots[0].view;
+    let mut found = Vec::new();
+    for height in [0.0, 20.0] {
+        let lens = Lens {
+            blur_mm: 2.5 * pitch_mm,
+            exponent: 1.4,
+        };
+        let mut profile = view.profile.clone();
+        let edge = view.edge_of(&of(Some(lens))).into_iter();
+        profile.mean = edge
+            .zip(&profile.variance)
+            .enumerate()
+            .map(|(j, (unit, variance))| {
+                0.02 + 0.8 * unit + height * variance.sqrt() * (0.21 * j as f64).sin()
+            })
+            .collect();
+        let view = View::new(view.line, profile, pitch_mm, 0.0, &of(None));
+        let (reference, optics) = measured_reference(&view, (*scene.shots[0].pixels).clone(), 1.0);
+        let lens = optics.camera.lens.expect("it is measured");
+        let residuals = |ln_blur: f64, exponent: f64| {
+            let lens = Lens {
+                blur_mm: lens.blur_mm * ln_blur.exp(),
+                exponent: lens.exponent + exponent,
+            };
+            let (modelled, _) = view.predict(&view.edge_of(&of(Some(lens))), &[]);
+            let pairs = modelled.iter().zip(&view.mtf.modulus);
+            view.whiten(&pairs.map(|(m, d)| m - d).collect::<Vec<f64>>())
+        };
+        let h = 1e-3;
+        let slopes = DMatrix::from_columns(&[
+            (residuals(h, 0.0) - residuals(-h, 0.0)) / (2.0 * h),
+            (residuals(0.0, h) - residuals(0.0, -h)) / (2.0 * h),
+        ]);
+        let rest = residuals(0.0, 0.0);
+        let reduced = rest.norm_squared() / (rest.len() - 2) as f64;
+        let inverse = (slopes.tr_mul(&slopes)).try_inverse();
+        let expected = inverse.expect("both are told") * reduced.max(1.0);
+        println!(
+            "{reduced:.4} {}{:.6e}{expected:.6e}",
+            reference.reduced_chi2, optics.covariance
+        );
+        assert!((reference.reduced_chi2 / reduced - 1.0).abs() < 1e-9);
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let scale = f64::sqrt(expected[(i, i)] * expected[(j, j)]);
+            let off = (optics.covariance[(i, j)] - expected[(i, j)]).abs();
+            assert!(off < 1e-4 * scale, "{i} {j}: {off:e} of {scale:e}");
+        }
+        found.push(reduced);
+    }
+    // Without a ripple there is nothing to raise.
+    assert!(found[0] < 0.5 && found[1] > 2.0, "{found:?}");
+}
+
+/// A photograph is sharper than the reference if its MTF lies more than 0.1 above one half where
+/// that of the reference is one half. And a lens has an exponent of its own if chi-square falls by
+/// 10.8 with it, which noise reaches once in 1,000. The edge is noise-free, and the fall
+/// is one over the variance that is stated. Between the two variances lie 1e-5.
+#[test]
+fn limits_of_a_reference_are_those_that_are_stated() {
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
+    let of_ideal = table(&planted, &[0.0], 20.0);
+    let scene = scene(
+        &params(53, planted, &[0.0], &[150.0], camera(4e4)),
+        &of_ideal,
+    );
+    let pitch_mm = scene.optics.camera.pitch_mm;
+    let of = |lens: Option<Lens>| Camera { pitch_mm, lens };
+    let view = &scene.shots[0].view;
+    let at = |wide: f64| {
+        let lens = Lens {
+            blur_mm: 2.5 * pitch_mm,
+            exponent: 2.1,
+        };
+        let mut profile = view.profile.clone();
+        profile.variance.iter_mut().for_each(|v| *v *= wide);
+        let edge = view.edge_of(&of(Some(lens)));
+        profile.mean = edge.iter().map(|unit| 0.02 + 0.8 * unit).collect();
+        let view = View::new(view.line, profile, pitch_mm, 0.0, &of(None));
+        let (reference, optics) = measured_reference(&view, (*scene.shots[0].pixels).clone(), 1.0);
+        let freedom = view.mtf.modulus.len() - 1 - optics.lens.len();
+        let squares = reference.reduced_chi2 * freedom as f64;
+        (reference, optics.lens.len(), squares)
+    };
+    // The widest variance with an exponent of its own, and the least without one.
+    let (mut low, mut high) = (1.0_f64, 1e6);
+    for _ in 0..20 {
+        let middle = (low * high).sqrt();
+        let kept = at(middle).1 == 2;
+        *(if kept { &mut low } else { &mut high }) = middle;
+    }
+    let ((_, free, less), (mut reference, one, more)) = (at(low), at(high));
+    println!("{more:.3} for {less:.3} at {high:.3} times the variance");
+    assert!((free, one) == (2, 1) && ((more - less) / 10.8 - 1.0).abs() < 0.01);
+    let mut cases = 0;
+    for (level, sharper) in [(0.59, false), (0.61, true)] {
+        let (mut low, mut high) = (0.0, view.mtf50_per_mm().expect("it falls"));
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            let [mtf, error] = view.mtf_at(middle).expect("it is measured");
+            assert!(error < 0.02, "{error}");
+            if mtf > level {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        reference.mtf50_per_mm = Some(low);
+        assert_eq!(reference.is_blunter_than(view), sharper, "{level}");
+        cases += 1;
+    }
+    assert_eq!(cases, 2);
 }
