@@ -241,7 +241,7 @@ fn photographs_of_uneven_cubes_give_back_what_was_planted() {
 
 /// A table whose bins of exit directions are too coarse for a slight sag is said where it is used:
 /// how far an MTF may be off, and from which distance on. Both hold: a table of fine bins, with the
-/// same rays, differs by less than is stated, and by less than 0.01 nearer.
+/// same rays, differs by half to twice as much, and so by half to twice 0.01 there.
 #[test]
 fn coarse_bins_are_said_where_they_matter() {
     let folder = tempfile::tempdir().unwrap();
@@ -287,8 +287,7 @@ fn coarse_bins_are_said_where_they_matter() {
         word.parse().expect("a number")
     };
     let (stated, from_mm) = (number("may be off by "), number("from a distance of "));
-    // Nearly all of this light lies in one coarse bin, so it is off by less than light that fills
-    // the bin, which is what is stated.
+    // The statement takes a smooth lobe that fills its bins; this one fills a few in part.
     let near = off(0.95 * from_mm);
     println!(
         "{stated} stated for {far} at 3 m; {} at 0.95 of {from_mm} mm",
