@@ -264,7 +264,10 @@ fn coarse_bins_are_said_where_they_matter() {
         let run = fit(here, &Vec::from_iter(predict.split(' ')));
         assert_eq!(run.code, Some(0), "{}", run.err);
         let all: Value = serde_json::from_str(&run.out).expect("JSON");
-        let of = |own: &Value| numbers(&own["mtf"]);
+        let of = |own: &Value| -> Vec<f64> {
+            let mtf = own["mtf"].as_array().expect("a list").iter();
+            mtf.map(|one| one.as_f64().expect("a number")).collect()
+        };
         let mtfs = all["predictions"].as_array().expect("a list").iter();
         let said = run.err.lines().find(|line| line.contains("bins of"));
         (
