@@ -14,7 +14,7 @@ pub(crate) const PROGRAM_FACETS: usize = 16;
 ///
 /// They are the facets of a cell, or of one body of each kind if the cell is taken apart. The work
 /// grows with their square.
-pub(crate) const MOST_FACETS: usize = 2048;
+pub(crate) const MOST_FACETS: usize = 6144;
 
 /// Largest number of triangles of a cell that is not taken apart. Joining those of a plane takes a
 /// time that grows with their square.

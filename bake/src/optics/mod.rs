@@ -25,4 +25,4 @@ pub(crate) use quick::Quick;
 pub(crate) use ray::{Incidence, Ray};
 pub(crate) use roughness::reach_rad;
 pub(crate) use rules::{BOUNCE_LIMIT, LEAST_POWER, Leaving, PASSES, Rules, fate_of_leaving};
-pub(crate) use triangle::{Aspect, EDGE_ON, Triangle, slack_after};
+pub(crate) use triangle::{EDGE_ON, Triangle, slack_after};

@@ -68,26 +68,6 @@ impl Block {
         }
         seen & self.used
     }
-
-    /// Returns the places of the facets that a ray of `view` may meet, as a set of bits.
-    #[inline(always)]
-    pub(crate) fn seen_by_any(&self, view: &View) -> u32 {
-        let View { sight, spread } = view;
-        let margin = Vec4::splat(sight.part * self.size + sight.rest);
-        let mut seen = 0;
-        for (vector, corners) in self.corners.iter().enumerate() {
-            let [a, b, c] = sheared(corners, sight);
-            // A move of the origin by d changes the turn from p to q by d x (p - q).
-            let ends = |p: (Vec4, Vec4), q: (Vec4, Vec4)| {
-                let change = (q.1 - p.1).abs() * spread[0] + (q.0 - p.0).abs() * spread[1];
-                (turn(p, q) - change, turn(p, q) + change)
-            };
-            let (u, v, w) = (ends(a, b), ends(b, c), ends(c, a));
-            let inside = u.1.min(v.1).min(w.1).cmpge(-margin) | u.0.max(v.0).max(w.0).cmple(margin);
-            seen |= inside.bitmask() << (4 * vector);
-        }
-        seen & self.used
-    }
 }
 
 /// Returns the corners of four facets as the ray of `sight` sees them: two coordinates across it.
@@ -107,40 +87,6 @@ fn sheared(corners: &[[Vec4; 3]; 3], sight: &Sight) -> [(Vec4, Vec4); 3] {
 #[inline(always)]
 fn turn(from: (Vec4, Vec4), to: (Vec4, Vec4)) -> Vec4 {
     from.0 * to.1 - from.1 * to.0
-}
-
-/// Parallel rays as the test of a block needs them.
-pub(crate) struct View {
-    /// Ray in the middle.
-    sight: Sight,
-    /// Largest distance of another ray from it, by the first two axes of the sight, edge lengths.
-    spread: [f32; 2],
-}
-
-impl View {
-    /// Makes the view of rays that start up to `half` from `middle`, by axis, and are parallel to
-    /// it. No ray has more slack or grain than `middle`.
-    ///
-    /// The centre of the hierarchy and the `radius` around it are those of [`Sight::new`].
-    #[inline(always)]
-    pub(crate) fn new(middle: &Ray, centre: DVec3, half: DVec3, radius: f64) -> Self {
-        let radius = radius + half.length();
-        let mut sight = Sight::new(middle, middle.origin - centre, radius);
-        let [i, j, k] = sight.axes;
-        let over = 1.0 / middle.direction[k].abs();
-        let spread = [i, j].map(|axis| half[axis] + half[k] * middle.direction[axis].abs() * over);
-        // A ray that meets a facet of size L has coordinates below 2 L, from the middle below 2 L +
-        // E, where E is the sum of both spreads. Put this for X in the bound of `Sight::new`: its
-        // turn is off by 5 e E more. The change of the turn is off by 2 e E, and by e L for its
-        // rounding. So 16 e E more is enough.
-        let error = (-20_f64).exp2() * (radius + (middle.origin - centre).length());
-        let more = 16.0 * error * (spread[0] + spread[1]);
-        sight.rest += (more * (1.0 + 1e-6)) as f32;
-        View {
-            sight,
-            spread: spread.map(|spread| (spread * (1.0 + 1e-6)) as f32),
-        }
-    }
 }
 
 /// Ray as the test of a block needs it.
@@ -205,12 +151,11 @@ mod tests {
     }
 
     /// No facet that the exact test takes is dropped: facets of all sizes, down to slivers, met at
-    /// their corners, on their edges and inside, from near and far, along the axes and obliquely,
-    /// by one ray and by eight around it.
+    /// their corners, on their edges and inside, from near and far, along the axes and obliquely.
     /// Of the facets that a ray passes widely, few are kept.
     #[test]
     fn no_facet_that_is_met_is_dropped() {
-        let (mut met, mut met_beside, mut wide, mut kept) = (0, 0, 0, 0);
+        let (mut met, mut wide, mut kept) = (0, 0, 0);
         for k in 0..4000_u32 {
             let at = |n: u32| spread(k * 16 + n);
             let centre = DVec3::new(at(0), at(1), at(2)) * 0.1;
@@ -243,21 +188,6 @@ mod tests {
                     let seen = block.seen(&Sight::new(&ray, origin, radius));
                     let taken = facet.meet(&ray).is_some();
                     assert!(seen == 1 || !taken, "{k} {target} {distance}");
-                    let half = DVec3::new(0.3, 0.2, 0.1) * size;
-                    let view = View::new(&ray, centre, half, radius);
-                    for corner in 0..8 {
-                        let side = |axis: u32| if corner >> axis & 1 == 0 { 1.0 } else { -1.0 };
-                        let moved = Ray {
-                            origin: ray.origin + half * DVec3::new(side(0), side(1), side(2)),
-                            ..ray
-                        };
-                        let taken = facet.meet(&moved).is_some();
-                        assert!(
-                            !taken || block.seen_by_any(&view) == 1,
-                            "{k} {target} {corner}"
-                        );
-                        met_beside += u32::from(taken);
-                    }
                     met += u32::from(taken);
                     if target == beside && !taken && k % 6 < 2 {
                         wide += 1;
@@ -266,11 +196,8 @@ mod tests {
                 }
             }
         }
-        println!("{met} + {met_beside} facets met, {kept} of {wide} passed facets kept");
-        assert!(
-            met > 10_000 && met_beside > 10_000 && wide > 1_000,
-            "{met} {wide}"
-        );
+        println!("{met} facets met, {kept} of {wide} passed facets kept");
+        assert!(met > 10_000 && wide > 1_000, "{met} {wide}");
         assert!(kept * 20 < wide, "{kept} of {wide}");
     }
 }

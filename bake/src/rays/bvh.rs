@@ -5,13 +5,12 @@
 //! over all facets finds, bit for bit (tested).
 
 use crate::optics::{Ray, Triangle};
-use crate::rays::block::{Block, Sight, View};
-use crate::rays::bundle::{Bounds, Boxes, Bundle, inverse};
+use crate::rays::block::{Block, Sight};
 use crate::rays::cluster::Cluster;
 use crate::rays::frames::{MOST_FRAMES, frames};
 use crate::rays::nearest::Nearest;
 use crate::rays::simd::{InstructionSet, Task, fetch};
-use crate::rays::tree::{BLOCK, Node, Space, Wide, build};
+use crate::rays::tree::{BLOCK, Boxes, Node, Space, Wide, build};
 use glam::{DMat3, DVec3, Vec4};
 
 /// Bounding volume hierarchy over a list of facets.
@@ -154,69 +153,6 @@ impl Hierarchy {
         nearest
     }
 
-    /// Finds for all rays of `bundle`, which travel along `direction`, the nearest facet.
-    ///
-    /// Every ray finds what [`Hierarchy::nearest`] finds for it alone. The rays start near facets,
-    /// so no digits are lost on the way. The facet that they have just `left` is not looked at.
-    #[inline(always)]
-    pub(crate) fn nearest_of(
-        &self,
-        facets: &[Triangle],
-        direction: DVec3,
-        left: Option<usize>,
-        bundle: &mut Bundle,
-    ) {
-        let mut open = std::mem::take(&mut bundle.waiting);
-        let mut bounds = [Bounds::default(); MOST_FRAMES];
-        for (bounds, frame) in bounds.iter_mut().zip(&self.frames) {
-            *bounds = bundle.bounds(direction, self.centre, frame);
-        }
-        let (middle, half) = bundle.middle(direction);
-        let view = View::new(&middle, self.centre, half, self.radius);
-        // No point of the ball around the facets is further than this from an origin.
-        let span = bounds[0].farthest() + 2.0 * self.radius;
-        let mut limit = span;
-        open.clear();
-        open.push((0.0, 0));
-        while let Some((from, at)) = open.pop() {
-            if from > limit {
-                continue;
-            }
-            if at & BLOCK != 0 {
-                let block = &self.blocks[(at & !BLOCK) as usize];
-                let (mut met, mut seen) = (false, block.seen_by_any(&view));
-                while seen != 0 {
-                    let facet = block.facets[seen.trailing_zeros() as usize] as usize;
-                    seen &= seen - 1;
-                    if Some(facet) != left
-                        && let Some(aspect) = facets[facet].along(direction)
-                    {
-                        met |= bundle.offer(facet, &aspect);
-                    }
-                }
-                if met {
-                    limit = (bundle.limit() * (1.0 + 1e-6) + self.padding).min(span);
-                }
-                continue;
-            }
-            let node = &self.nodes[at as usize];
-            let from = bounds[node.frame as usize].reach(&node.boxes, limit);
-            let bottom = open.len();
-            for (&from, &child) in from.iter().zip(&node.children) {
-                if from < f64::INFINITY {
-                    // The nearest is put last, because the last one is looked at first.
-                    open.push((from, child));
-                    let mut place = open.len() - 1;
-                    while place > bottom && open[place - 1].0 < from {
-                        open.swap(place, place - 1);
-                        place -= 1;
-                    }
-                }
-            }
-        }
-        bundle.waiting = open;
-    }
-
     /// Finds for all rays of `cluster` the nearest facet, as [`Hierarchy::nearest`] does without a
     /// limit.
     pub(crate) fn nearest_of_cluster(&self, facets: &[Triangle], cluster: &mut Cluster) {
@@ -313,6 +249,25 @@ impl Task for Descent<'_> {
     fn run(self) -> Nearest {
         self.hierarchy
             .descend(self.facets, self.ray, self.limit, self.waiting)
+    }
+}
+
+/// Components of a direction below this count as 0 with their sign.
+///
+/// Over the whole extent of the facets, the way along such an axis stays far below the padding of
+/// their boxes.
+const LEVEL: f64 = 1e-9;
+
+/// Number that stands for 1 over 0.
+const HUGE: f64 = 1e30;
+
+/// Returns the inverse of a component of a direction, finite also for a component of 0.
+#[inline(always)]
+pub(crate) fn inverse(component: f64) -> f64 {
+    if component.abs() < LEVEL {
+        HUGE.copysign(component)
+    } else {
+        1.0 / component
     }
 }
 

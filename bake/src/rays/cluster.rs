@@ -11,12 +11,12 @@
 
 use crate::optics::{Ray, Triangle};
 use crate::rays::block::{Block, Sight};
-use crate::rays::bundle::{Boxes, inverse};
+use crate::rays::bvh::inverse;
 use crate::rays::frames::MOST_FRAMES;
 use crate::rays::lane::{LANES, Singles, fold, greater, lesser};
 use crate::rays::nearest::Nearest;
 use crate::rays::simd::fetch;
-use crate::rays::tree::Node;
+use crate::rays::tree::{Boxes, Node};
 use glam::{DMat3, DVec3};
 
 /// Up to [`LANES`] rays, and the nearest facet of each.

@@ -2,14 +2,12 @@
 
 use crate::optics::{Incidence, Rules, element};
 use crate::rays::bins::Bins;
-use crate::rays::bundle::Bundle;
 use crate::rays::bvh::Hierarchy;
 use crate::rays::departures::Departures;
-use crate::rays::entries::{Entry, Part, entries, rays};
+use crate::rays::entries::{Entry, Part, entries};
 use crate::rays::exits::Exits;
 use crate::rays::lanes;
 use crate::rays::lanes::Batch;
-use crate::rays::packets::Packets;
 use crate::rays::path::{Luck, Outcome, trace};
 use crate::rays::program::Program;
 use crate::rays::rough::{Flight, Flying};
@@ -42,15 +40,6 @@ const RUN_OF_SORTED: u64 = 1 << 20;
 /// Pieces of half the size take 15 % longer on a mesh of 2,048 cubes.
 const RUN_OF_NEIGHBOURS: u64 = 1 << 21;
 
-/// Number of rays that are sorted into packets at a time. Each takes 52 bytes for each of its
-/// reflections.
-const NEIGHBOURS: usize = 1 << 16;
-
-/// Smallest number of rays per facet for which packets are worth their cost in a large scene.
-///
-/// A packet holds rays that have met the same facets.
-const RAYS_OF_PACKETS: u64 = 8;
-
 /// Way in which the rays of a direction are traced.
 ///
 /// Tests check that both ways give every ray the same fate.
@@ -78,11 +67,8 @@ pub(crate) struct Kernel {
     instructions: InstructionSet,
     /// Roughness of facets whose rays go side by side; `None` if they go one by one.
     rough: Option<Roughness>,
-    /// True if rays go down the hierarchy of every scene together: in packets where they can,
-    /// otherwise in swarms.
+    /// True if rays go down the hierarchy of every scene together, in swarms.
     bundles: bool,
-    /// True if rays that meet the same facets stay parallel, so that they can go in packets.
-    packets: bool,
     /// Grid that exit directions are recorded on; `None` if they are not recorded.
     exits: Option<Grid>,
     /// Exit directions of the programs, where they are recorded.
@@ -129,7 +115,7 @@ impl Kernel {
             )
         });
         // Each ray goes alone in these cases: a rough facet turns each ray in its own way, and rays
-        // diverge on curved faces. Programs and packets also assume that paths end at the entrance
+        // diverge on curved faces. Programs also assume that paths end at the entrance
         // plane, where they first meet it, and that no facet is of glass.
         let alone = rules.roughness.is_some()
             || rules.element != Element::Retroreflector
@@ -141,8 +127,6 @@ impl Kernel {
             && rules.glass_index.is_none()
             && !rules.follows_the_front()
             && scenes.iter().all(|scene| scene.is_flown_through());
-        // A photon ends by its own chance. Packets know none.
-        let chances = rules.losses.is_some();
         let mut entries = vec![Vec::new(); scenes.len()];
         for piece in launch.pieces() {
             entries[piece.scene].push(piece.polygon());
@@ -156,8 +140,6 @@ impl Kernel {
             programs: programs.unwrap_or_default(),
             rough: rules.roughness.filter(|_| side_by_side),
             instructions: InstructionSet::best(),
-            // Rays with an azimuth of their own are not parallel, so they form no packets.
-            packets: direction.is_some() && !alone && !chances,
             bundles: scenes.iter().all(|scene| scene.for_bundles().is_some()),
             exits: None,
             exits_of_programs: None,
@@ -170,12 +152,11 @@ impl Kernel {
         }
     }
 
-    /// Returns the tracer without programs and packets, so that every ray goes by [`trace`].
+    /// Returns the tracer without programs and swarms, so that every ray goes by [`trace`].
     pub(crate) fn one_by_one(self) -> Self {
         Kernel {
             programs: Vec::new(),
             rough: None,
-            packets: false,
             bundles: false,
             ..self
         }
@@ -312,45 +293,14 @@ impl Kernel {
         });
     }
 
-    /// Traces the samples of `parts` facet by facet: in packets or swarms if every scene allows
-    /// them, otherwise one by one.
+    /// Traces the samples of `parts` facet by facet: in swarms if every scene allows them, otherwise
+    /// one by one.
     fn trace_paths(&self, parts: &[Part], tallies: &mut [Tally]) {
-        // Packets are no gain where rays hardly ever meet the same facet.
-        let facets: usize = self.scenes.iter().map(|scene| scene.facets().len()).sum();
-        let meet = !self.is_large() || rays(parts) >= RAYS_OF_PACKETS * facets as u64;
         let hierarchies = self.scenes.iter().map(|scene| scene.for_bundles());
         let hierarchies: Option<Vec<&Hierarchy>> = hierarchies.collect();
         match hierarchies {
-            Some(hierarchies) if self.bundles && self.packets && meet => {
-                self.trace_packets(&hierarchies, parts, tallies);
-            }
             Some(hierarchies) if self.bundles => self.trace_swarms(&hierarchies, parts, tallies),
             _ => self.trace_alone(parts, tallies),
-        }
-    }
-
-    /// Traces the samples of `parts` in packets.
-    fn trace_packets(&self, hierarchies: &[&Hierarchy], parts: &[Part], tallies: &mut [Tally]) {
-        let Some(direction) = &self.direction else {
-            return self.trace_alone(parts, tallies);
-        };
-        for (number, (scene, &hierarchy)) in self.scenes.iter().zip(hierarchies).enumerate() {
-            let mut packets = Packets {
-                scene,
-                hierarchy,
-                rules: &self.rules,
-                direction,
-                bins: &self.bins,
-                exits: self.exits.as_ref(),
-                instructions: self.instructions,
-                entries: &[],
-                stages: Vec::new(),
-                bundle: Bundle::new(),
-            };
-            let entries = self.neighbours(number, parts);
-            for neighbours in entries.chunks(NEIGHBOURS) {
-                packets.trace(neighbours, tallies);
-            }
         }
     }
 

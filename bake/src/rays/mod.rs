@@ -1,14 +1,13 @@
 //! Sampled light: the rays of one direction, from the entrance to their counts.
 //!
 //! A prepared cell, the rules and one direction enter. Integer counts by bin and by fate leave. The
-//! rays are traced in five ways: one by one, down a hierarchy in packets of parallel rays or in
-//! swarms of neighbours, as a program of 64 rays side by side, and side by side with directions of
-//! their own. All ways give the same result, bit for bit. This room may touch `cell`, `optics` and
-//! `samples`. It knows no thread and no table. Its file `simd` holds the only unsafe code.
+//! rays are traced in four ways: one by one, down a hierarchy in swarms of neighbours, as a program
+//! of 64 rays side by side, and side by side with directions of their own. All ways give the same
+//! result, bit for bit. This room may touch `cell`, `optics` and `samples`. It knows no thread and
+//! no table. Its file `simd` holds the only unsafe code.
 
 mod bins;
 mod block;
-mod bundle;
 mod bvh;
 mod cluster;
 mod departures;
@@ -22,8 +21,6 @@ mod lane;
 pub(crate) mod lanes;
 mod nearest;
 mod order;
-mod packet;
-mod packets;
 mod path;
 mod program;
 mod region;

@@ -5,12 +5,18 @@
 
 use crate::optics::Triangle;
 use crate::rays::block::{Block, SIDE_BY_SIDE};
-use crate::rays::bundle::Boxes;
 use glam::{DMat3, DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use std::time::Duration;
+
+/// Eight boxes side by side, by axis; an empty place holds a point at infinity.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Boxes {
+    /// Ends of the boxes: lower and upper, by axis.
+    pub ends: [[[f32; 8]; 3]; 2],
+}
 
 /// Node of the hierarchy with eight children.
 #[repr(align(64))]

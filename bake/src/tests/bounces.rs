@@ -37,7 +37,7 @@ fn wedge(reflections: u32) -> Cell {
     cell(vec![right, left], 1.0, entrance.to_vec(), None)
 }
 
-/// Returns the fates of rays from straight above: one by one and in packets down a hierarchy.
+/// Returns the fates of rays from straight above: one by one and together down a hierarchy.
 fn fates(cell: &Cell, rules: &Rules, rays: u64) -> Vec<[u64; Fate::ALL.len()]> {
     let bins = Bins::new(8, 2.0);
     let launch = Launch::new(&cell.entrance);
@@ -48,9 +48,9 @@ fn fates(cell: &Cell, rules: &Rules, rays: u64) -> Vec<[u64; Fate::ALL.len()]> {
         assert_eq!(scene.has_hierarchy(), index == Index::Hierarchy);
         let kernel = Kernel::new(&scene, &launch, rules, &bins, 0.0, 0.0);
         assert!(kernel.programs().is_empty(), "programs are not that deep");
-        for packets in [false, true] {
+        for together in [false, true] {
             let mut tally = Tally::new(&bins);
-            match packets {
+            match together {
                 true => kernel.trace(&stream, 0..rays, &mut tally),
                 false => kernel.trace_one_by_one(&stream, 0..rays, &mut tally),
             }

@@ -192,7 +192,7 @@ fn spots_of_equal_errors() {
     assert_eq!(compared, 14);
 }
 
-/// Returns a pair whose facets are cut fine and bent, so that rays go in packets.
+/// Returns a pair whose facets are cut fine and bent, so that rays go down the hierarchy.
 fn bent() -> Cell {
     let mut cell = cells::pair();
     for _ in 0..4 {
@@ -213,7 +213,7 @@ fn bent() -> Cell {
 }
 
 #[test]
-fn packets_record_what_single_rays_do() {
+fn swarms_record_what_single_rays_do() {
     let request = Request {
         incidence: "0,25".into(),
         ..Request::default()

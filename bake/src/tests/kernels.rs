@@ -545,11 +545,11 @@ pub(crate) fn uneven(columns: usize, rows: usize) -> Cell {
     cell
 }
 
-/// Rays in packets have the outcomes of single rays and of a loop over all facets, bit for bit, on
+/// Rays in swarms have the outcomes of single rays and of a loop over all facets, bit for bit, on
 /// every instruction set. The meshes have equal cubes, different cubes, and one whose rays stay in
 /// it for long.
 #[test]
-fn packets_equal_single_rays_bit_for_bit() {
+fn swarms_equal_single_rays_bit_for_bit() {
     let bins = Bins::new(64, 1.5);
     let tir = Rules {
         refractive_index: 1.49,

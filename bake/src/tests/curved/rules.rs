@@ -276,8 +276,8 @@ fn large_scenes_are_traced_in_any_order() {
     assert!(sorted.histogram == plain.histogram);
 }
 
-/// Samples of several randomisations are traced together, in swarms on curved facets and in packets
-/// on planar ones. Each tally is the one that its samples give alone.
+/// Samples of several randomisations are traced together, in swarms, on curved facets and on planar
+/// ones. Each tally is the one that its samples give alone.
 #[test]
 fn samples_traced_together_are_counted_apart() {
     let (mut cases, mut counted) = (0, 0);
