@@ -43,7 +43,6 @@
 //! - `cell`: what a mesh is to light
 //! - `plan`: what is asked for
 //! - `rays` and `beams`: two ways to follow light
-//! - `proof`: bounds of the error between directions
 //! - `run`: the whole bake
 //! - `plots`: pictures of tables
 //! - `study`: speed against error
@@ -58,7 +57,6 @@ mod geometry;
 mod optics;
 mod plan;
 mod plots;
-mod proof;
 mod rays;
 mod run;
 mod samples;

@@ -32,9 +32,7 @@ pub(crate) struct Trace<'a> {
     pub file: &'a Path,
     /// Time of the bake in seconds, without reading and writing.
     pub seconds: f64,
-    /// True if the tolerance between directions is proved, false if it was tried.
-    pub proved: bool,
-    /// Error between directions where no tolerance was asked for.
+    /// Error between directions, as far as it was tried.
     pub between: Option<Between>,
 }
 
@@ -61,15 +59,15 @@ impl Trace<'_> {
         } else {
             writeln!(text, ", {:.4} s", self.seconds)
         };
-        if let Some(tolerance) = table.provenance.direction_tolerance {
-            let how = if self.proved { "proved" } else { "tried" };
-            let _ = writeln!(text, "between directions: within {tolerance}, {how}");
-        }
         if let Some(own) = self.between {
+            let hint = match table.provenance.direction_tolerance {
+                Some(_) => "",
+                None => "; --direction-tolerance chooses directions",
+            };
             let _ = writeln!(
                 text,
                 "between directions: off by up to {:.2e} (total variation; {} tried), most at \
-                incidence {} deg, azimuth {} deg; --direction-tolerance chooses directions",
+                incidence {} deg, azimuth {} deg{hint}",
                 own.error, own.tried, own.incidence_deg, own.azimuth_deg
             );
         }
@@ -167,9 +165,6 @@ impl Trace<'_> {
             "rays": rays,
             "rays_per_second":
                 if rays > 0 { json!(rays as f64 / self.seconds) } else { Value::Null },
-            "between_directions": self.table.provenance.direction_tolerance.map(|_| {
-                if self.proved { "proved" } else { "tried" }
-            }),
             "between_directions_error": self.between.map(|own| json!({
                 "total_variation": own.error,
                 "incidence_deg": own.incidence_deg,
@@ -322,7 +317,6 @@ mod tests {
                 table: &table,
                 file: "t.h5".as_ref(),
                 seconds: 1.0,
-                proved: false,
                 between: None,
             };
             report.warnings()

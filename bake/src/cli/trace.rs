@@ -365,7 +365,6 @@ pub(super) fn called(
         table: &table,
         file: &args.output,
         seconds: 0.0,
-        proved: bake.is_proved(),
         between: None,
     };
     warnings.extend(report.warnings());
@@ -431,7 +430,6 @@ impl Job<'_> {
         ranks: &dyn Ranks,
     ) -> Result<Option<serde_json::Value>, Failure> {
         let progress = Progress::new(&self.bake, ranks.leads());
-        let proved = self.bake.is_proved();
         // A table that is written through a link is saved where the link leads, as it is read.
         let reserved = self.output.as_ref().map(Output::path);
         let saved = SavedFile::of(reserved.unwrap_or(self.file));
@@ -445,7 +443,7 @@ impl Job<'_> {
         let table = self
             .bake
             .table_from(Watch::new(&advance), Some(saves), ranks);
-        let seconds = start.elapsed().as_secs_f64();
+        let took = start.elapsed();
         progress.finish();
         warn(Vec::from_iter(unsaved.map(|error| {
             format!("the bake could not be saved for --resume: {error}")
@@ -467,9 +465,8 @@ impl Job<'_> {
         let report = report::Trace {
             table: &table,
             file: self.file,
-            seconds,
-            proved,
-            between: self.bake.between(&table),
+            seconds: took.as_secs_f64(),
+            between: self.bake.between(&table, took),
         };
         warn(report.warnings());
         if !args.json {

@@ -47,21 +47,6 @@ impl Rules {
         self.front == Front::Trapped
     }
 
-    /// Returns whether the front face sends a part of the light back inside that goes on, whatever
-    /// its direction.
-    pub(crate) fn splits_at_the_front(&self) -> bool {
-        self.follows_the_front() && self.losses.is_some()
-    }
-
-    /// Returns a bound of the share of the launched power that is not followed because it is too
-    /// little.
-    pub(crate) fn power_given_up(&self) -> f64 {
-        match self.splits_at_the_front() {
-            true => LEAST_POWER,
-            false => 0.0,
-        }
-    }
-
     /// Returns whether the front face reflects all light that comes along `travel`, the unit
     /// direction inside, and the light goes on.
     pub(crate) fn is_trapped(&self, travel: DVec3) -> bool {

@@ -4,6 +4,7 @@ use crate::cell::{ExactCell, Prepared};
 use crate::optics::Rules;
 use crate::plan::Plan;
 use crate::rays::Tracer;
+use crate::run::between::Between;
 use crate::run::provenance::provenance;
 use tables::options::{Method, Sampler};
 use tables::{Axes, Provenance, Symmetry};
@@ -25,8 +26,8 @@ pub(crate) struct Bake<'a> {
     pub rules: Rules,
     /// Way in which rays are traced.
     pub tracer: Tracer,
-    /// True if directions were chosen for a tolerance and a bound of the error is below it.
-    pub proved: bool,
+    /// Largest error of the trials by which the directions were chosen for a tolerance.
+    pub chosen: Option<Between>,
 }
 
 impl Bake<'_> {
@@ -38,11 +39,6 @@ impl Bake<'_> {
     /// Returns the directions and bins of the table.
     pub(crate) fn axes(&self) -> &Axes {
         &self.axes
-    }
-
-    /// Returns whether the tolerance between directions is proved, and not tried only.
-    pub(crate) fn is_proved(&self) -> bool {
-        self.proved && self.exact.is_some()
     }
 
     /// Returns the provenance of a table that is made by `method` with `sampler`.

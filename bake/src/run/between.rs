@@ -1,4 +1,6 @@
-//! Error of an exact table between its directions, tried in the middles of its gaps.
+//! Error of an exact table between its directions, as far as it was tried.
+
+use std::time::{Duration, Instant};
 
 use crate::run::bake::Bake;
 use crate::run::trial;
@@ -6,8 +8,11 @@ use rayon::prelude::*;
 use tables::Table;
 use tables::cli::pool;
 
-/// Largest number of directions that are tried, so that large tables take hardly longer.
-const TRIED: usize = 64;
+/// Largest number of directions that are tried after a bake.
+const MOST_TRIED: usize = 64;
+
+/// Number of directions that are tried before the time is looked at.
+const AT_ONCE: usize = 8;
 
 /// Largest error of an interpolated table among directions that were tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,15 +28,17 @@ pub(crate) struct Between {
 }
 
 impl Bake<'_> {
-    /// Compares `table` with the exact method between its directions, or returns `None` if it is
-    /// not exact, has a tolerance between its directions, or has no polygons that can be
-    /// interpolated.
+    /// Returns the largest error of `table` between its directions, among those tried: by the
+    /// choice of directions, or else now, for about `time` at most.
     ///
-    /// The middles between neighbouring incidences and between neighbouring azimuths are tried. Of
-    /// more than [`TRIED`], evenly spaced ones are taken.
-    pub(crate) fn between(&self, table: &Table) -> Option<Between> {
-        let bounded = table.provenance.direction_tolerance.is_some();
-        let exact = self.exact.filter(|_| !bounded)?;
+    /// The middles between neighbouring incidences and between neighbouring azimuths are tried
+    /// now, evenly spaced ones of more than [`MOST_TRIED`]. The time decides only how many of them.
+    /// Returns `None` if the table is not exact or has no polygons that can be interpolated.
+    pub(crate) fn between(&self, table: &Table, time: Duration) -> Option<Between> {
+        let exact = self.exact?;
+        if self.chosen.is_some() {
+            return self.chosen;
+        }
         let (incidences, azimuths) = (&table.axes.incidence_deg, &table.axes.azimuth_deg);
         let middles = |ends: &[f64]| -> Vec<f64> {
             let pairs = ends.windows(2);
@@ -44,25 +51,41 @@ impl Bake<'_> {
         };
         let mut all = cross(&middles(incidences), azimuths);
         all.extend(cross(incidences, &middles(azimuths)));
-        all.retain(|&[incidence, azimuth]| {
-            let found = table.direction(incidence, Some(azimuth));
-            found.is_ok_and(|found| found.interpolated && found.paths.is_some())
-        });
-        let step = all.len().div_ceil(TRIED).max(1);
-        let tried: Vec<[f64; 2]> = all.into_iter().step_by(step).collect();
-        let errors = || {
-            tried
-                .par_iter()
-                .map(|&[incidence_deg, azimuth_deg]| Between {
-                    error: trial::error(exact, &self.rules, table, incidence_deg, azimuth_deg),
-                    incidence_deg,
-                    azimuth_deg,
-                    tried: tried.len(),
-                })
+        let apart = all.len().div_ceil(MOST_TRIED).max(1);
+        let spread: Vec<[f64; 2]> = all.into_iter().step_by(apart).collect();
+        // Passes over all angles, each with wider steps than the next, so that an early end leaves
+        // no range of angles untried.
+        let passes = spread.len().div_ceil(AT_ONCE);
+        let order = (0..passes).flat_map(|first| spread.iter().skip(first).step_by(passes));
+        let order: Vec<[f64; 2]> = order.copied().collect();
+        let error = |&[incidence_deg, azimuth_deg]: &[f64; 2]| {
+            let found = table.direction(incidence_deg, Some(azimuth_deg));
+            let known = found.is_ok_and(|found| found.interpolated && found.paths.is_some());
+            known.then(|| Between {
+                error: trial::error(exact, &self.rules, table, incidence_deg, azimuth_deg),
+                incidence_deg,
+                azimuth_deg,
+                tried: 1,
+            })
         };
+        let start = Instant::now();
         // Threads that cannot be started have ended the bake before.
         let pool = pool(self.plan.threads).ok()?;
-        pool.install(|| errors().max_by(|a, b| a.error.total_cmp(&b.error)))
+        let mut largest: Option<Between> = None;
+        for some in order.chunks(AT_ONCE) {
+            let found: Vec<Between> = pool.install(|| some.par_iter().filter_map(error).collect());
+            for own in found {
+                let tried = 1 + largest.map_or(0, |known| known.tried);
+                let worse = largest
+                    .filter(|known| known.error >= own.error)
+                    .unwrap_or(own);
+                largest = Some(Between { tried, ..worse });
+            }
+            if start.elapsed() >= time {
+                break;
+            }
+        }
+        largest
     }
 }
 
@@ -97,7 +120,7 @@ mod tests {
             let plan = Plan::new(request).expect("a valid request");
             let bake = Bake::new(&prepared, &plan).expect("a bake");
             let table = bake.table(Watch::none()).expect("a table");
-            let between = bake.between(&table);
+            let between = bake.between(&table, Duration::ZERO);
             (table, between)
         };
         let mut found = Vec::new();

@@ -7,21 +7,14 @@
 //! between neighbouring incidences and between neighbouring azimuths. It compares the result with
 //! the exact method. Where the two differ by more than the tolerance, it halves the gap. Then it
 //! checks random directions too. So the directions lie close together where paths end or lose a
-//! corner, and far apart elsewhere.
-//!
-//! For the cells of [`proved::provable`] a bound takes the place of random directions: the search
-//! ends when a bound of the error, in all directions between those of the table, is below the
-//! tolerance. A gap with a greater bound is halved. The search for a proof is given up after
-//! [`MOST_LOOKED`] parts of gaps or [`MOST_PROVED`] directions. Then the search goes on from where
-//! the proof began, and the trials are all, as for other cells.
+//! corner, and far apart elsewhere. Nothing is proved of directions that were not tried.
 
 use crate::cell::ExactCell;
 use crate::plan::default;
-use crate::proof::Proof;
 use crate::run::bake::Bake;
+use crate::run::between::Between;
 use crate::run::error::RunError;
-use crate::run::proved::{self, Known, Part};
-use crate::run::trial::{self, ASTRAY_RAD, OPEN};
+use crate::run::trial::{self, OPEN};
 use crate::run::watch::Watch;
 use crate::samples::Stream;
 use rayon::prelude::*;
@@ -35,26 +28,14 @@ const AIM: f64 = 0.8;
 /// Number of random directions that are tried at the end.
 pub(crate) const TRIED: u64 = 2000;
 
-/// Part of the tolerance that the search aims at before it looks for a proof of a cell whose bounds
-/// are above the errors by up to half of the tolerance ([`Proof::is_loose`]).
-const AIM_OF_PROOF: f64 = 0.4;
-
-/// Largest number of directions with which a proof is looked for. Full cubes with dihedral errors
-/// need the most.
-const MOST_PROVED: usize = 600;
-
-/// Number of parts of gaps that are looked at before the tolerance counts as not provable: some
-/// minutes of one core for lattices and for fronts that split light.
-const MOST_LOOKED: usize = 160_000;
-
 /// Largest number of directions.
 ///
 /// A distribution that jumps, for example where total reflection ends, would need any number of
 /// them. A pair of ideal cubes needs 6 for a tolerance of 0.005.
 const MOST_DIRECTIONS: usize = 1000;
 
-/// Chooses the directions of `bake` for `tolerance` and returns the axes with them, and whether the
-/// tolerance is proved.
+/// Chooses the directions of `bake` for `tolerance` and returns the axes with them, and the largest
+/// error of the last trials.
 ///
 /// The exact method serves as the truth.
 ///
@@ -67,28 +48,22 @@ pub(crate) fn choose(
     exact: &ExactCell,
     tolerance: f64,
     watch: Watch<'_>,
-) -> Result<(Axes, bool), RunError> {
+) -> Result<(Axes, Option<Between>), RunError> {
     let mut search = Search::new(bake, exact, tolerance);
-    let proved = pool(bake.plan.threads)?.install(|| search.refine(watch))?;
-    Ok((search.axes(bake.axes.bins), proved))
+    let largest = pool(bake.plan.threads)?.install(|| search.refine(watch))?;
+    Ok((search.axes(bake.axes.bins), largest))
 }
 
 /// Search for the directions of a table.
 struct Search<'a> {
     bake: &'a Bake<'a>,
     exact: &'a ExactCell,
-    /// Cell in the form that proofs need; `None` if there are none for it.
-    proof: Option<Proof>,
-    /// Total variation to reach in all directions.
-    tolerance: f64,
     /// Total variation to reach in directions that are tried.
     aim: f64,
     incidences: Vec<f64>,
     azimuths: Vec<f64>,
     /// End of the gap after the last azimuth, degrees, where azimuths go all around.
     around_to: Option<f64>,
-    /// Numbers of directions and of parts of gaps after which the search for a proof is given up.
-    most: [usize; 2],
 }
 
 /// Direction to try, and the gaps that it lies in.
@@ -122,10 +97,7 @@ impl<'a> Search<'a> {
                 ends(&bake.axes.azimuth_deg)
             },
             around_to: goes_around.then_some(first + width),
-            proof: proved::provable(exact, &bake.rules, ASTRAY_RAD),
-            tolerance,
             aim: AIM * tolerance,
-            most: [MOST_PROVED, MOST_LOOKED],
         }
     }
 
@@ -150,22 +122,12 @@ impl<'a> Search<'a> {
         self.azimuths.iter().copied().chain(end).collect()
     }
 
-    /// Halves gaps until all directions that are tried are within the aim, and as long as that may
-    /// help a proof. Returns whether the tolerance is proved.
-    fn refine(&mut self, watch: Watch<'_>) -> Result<bool, RunError> {
-        let (mut looked, mut settled) = (0, false);
-        let mut known = Known::default();
-        let mut tried: Option<(Vec<f64>, Vec<f64>)> = None;
+    /// Halves gaps until all directions that are tried are within the aim. Returns the largest
+    /// error of the last trials, or `None` if there is one direction only.
+    fn refine(&mut self, watch: Watch<'_>) -> Result<Option<Between>, RunError> {
         loop {
             if watch.is_stopped() {
                 return Err(RunError::Stopped);
-            }
-            let directions = self.incidences.len() * self.azimuths.len();
-            let gives_up = directions > self.most[0] || looked > self.most[1];
-            if gives_up && let Some(tried) = tried.take() {
-                // The search goes on from there, by trials alone.
-                (self.incidences, self.azimuths) = tried;
-                (self.proof, self.aim, settled) = (None, AIM * self.tolerance, false);
             }
             // Only polygons are interpolated, so one bin is enough for the table.
             let bake = Bake {
@@ -173,37 +135,21 @@ impl<'a> Search<'a> {
                 ..self.bake.clone()
             };
             let table = bake.beams(self.exact, Watch::none())?;
-            if !settled {
-                let mut found = self.errors(&table, self.middles());
-                // A bound says more than random directions.
-                if worst(&found) <= self.aim && self.proof.is_none() {
-                    found = self.errors(&table, self.random());
-                }
-                if worst(&found) > self.aim {
-                    self.halve(&found)?;
-                    continue;
-                }
+            let mut found = self.errors(&table, self.middles());
+            if worst(&found) <= self.aim {
+                found.extend(self.errors(&table, self.random()));
             }
-            let Some(proof) = &self.proof else {
-                return Ok(false);
-            };
-            if tried.is_none() {
-                tried = Some((self.incidences.clone(), self.azimuths.clone()));
-                if proof.is_loose() {
-                    self.aim = AIM_OF_PROOF * self.tolerance;
-                    continue;
-                }
+            if worst(&found) > self.aim {
+                self.halve(&found)?;
+                continue;
             }
-            settled = true;
-            let ends = self.azimuth_ends();
-            let bounds = proved::parts(proof, &table, &ends, self.tolerance, &mut known, watch);
-            let bounds = bounds.ok_or(RunError::Stopped)?;
-            let open = self.open(&bounds.parts);
-            if open.is_empty() {
-                return Ok(true);
-            }
-            looked += bounds.looked;
-            self.halve_open(&open);
+            let largest = found.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+            return Ok(largest.map(|&(error, probe)| Between {
+                error,
+                incidence_deg: probe.incidence_deg,
+                azimuth_deg: probe.azimuth_deg,
+                tried: found.len(),
+            }));
         }
     }
 
@@ -262,22 +208,6 @@ impl<'a> Search<'a> {
                 }
             })
             .collect()
-    }
-
-    /// Returns a direction of each gap whose bound is above the tolerance.
-    fn open(&self, parts: &[Part]) -> Vec<Probe> {
-        let azimuths = self.azimuth_ends();
-        let gap = |ends: &[f64], [from, to]: [f64; 2]| {
-            (from < to).then(|| ends.partition_point(|&end| end <= from).max(1) - 1)
-        };
-        let open = parts.iter().filter(|part| part.bound > self.tolerance);
-        let probe = |part: &Part| Probe {
-            incidence_deg: part.incidence_deg[0],
-            azimuth_deg: part.azimuth_deg[0],
-            along: gap(&self.incidences, part.incidence_deg),
-            across: gap(&azimuths, part.azimuth_deg),
-        };
-        open.map(probe).collect()
     }
 
     /// Returns the error of each direction to try.
@@ -353,35 +283,6 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Halves the gaps that are not proved, each along the angle that turns the light more.
-    fn halve_open(&mut self, open: &[Probe]) {
-        let azimuths = self.azimuth_ends();
-        let mut marked = [
-            vec![false; self.incidences.len() - 1],
-            vec![false; azimuths.len() - 1],
-        ];
-        for probe in open {
-            let along_is_wider = match (probe.along, probe.across) {
-                (Some(along), Some(across)) => {
-                    let steepest = self.incidences[along + 1];
-                    let turn =
-                        steepest.to_radians().sin() * (azimuths[across + 1] - azimuths[across]);
-                    steepest - self.incidences[along] >= turn
-                }
-                (along, _) => along.is_some(),
-            };
-            let (axis, gap) = if along_is_wider {
-                (0, probe.along)
-            } else {
-                (1, probe.across)
-            };
-            if let Some(gap) = gap {
-                marked[axis][gap] = true;
-            }
-        }
-        self.insert(marked);
-    }
-
     /// Adds the middles of the gaps marked, of incidences and of azimuths.
     fn insert(&mut self, marked: [Vec<bool>; 2]) {
         let ends = [self.incidences.clone(), self.azimuth_ends()];
@@ -407,49 +308,15 @@ mod tests {
     use crate::plan::{Plan, Request};
     use meshes::design::{Design, Shape};
 
-    /// A search for a proof that is given up leaves the directions that trials alone choose, and
-    /// does not say that they are proved. With more patience the same cell is proved.
+    /// An error between the aim and the tolerance is refused by the aim, and that is said.
     #[test]
-    fn a_proof_that_is_given_up_leaves_the_trials() {
-        let mut design = Design::new(Shape::from_name("triangular").expect("a design"));
-        design.dihedral_error_rad = [5e-4, 0.0, -3e-4];
-        let mesh = design.mesh().expect("a mesh");
-        let options = meshes::CellOptions::default();
-        let cell = meshes::normalise(&mesh, "cell.obj".as_ref(), &options).expect("a cell");
-        let request = Request {
-            incidence: "0,40".into(),
-            azimuth: "full".into(),
-            refractive_index: Some(1.49),
-            ..Request::default()
-        };
-        let plan = Plan::new(&request).expect("a valid request");
-        let prepared = Prepared::new(cell);
+    fn an_error_above_the_aim_is_refused_by_the_aim() {
+        let mesh = Design::new(Shape::Triangular).mesh().expect("a mesh");
+        let cell = meshes::normalise(&mesh, "cell.obj".as_ref(), &meshes::CellOptions::default());
+        let plan = Plan::new(&Request::default()).expect("a valid request");
+        let prepared = Prepared::new(cell.expect("a cell"));
         let exact = prepared.exact().expect("planar");
         let bake = Bake::new(&prepared, &plan).expect("a bake");
-        let searched = |change: &dyn Fn(&mut Search<'_>)| {
-            let mut search = Search::new(&bake, exact, 0.003);
-            change(&mut search);
-            let proved = search.refine(Watch::none()).expect("directions");
-            (proved, search.axes(1))
-        };
-        let tried = searched(&|search| search.proof = None);
-        let proved = searched(&|_| ());
-        let [few, many] = [&tried.1, &proved.1].map(|axes| {
-            let (incidences, azimuths) = axes.shape();
-            incidences * azimuths
-        });
-        assert!(!tried.0 && proved.0 && many > few, "{few} {many}");
-        let limits = [[MOST_PROVED, 0], [0, MOST_LOOKED]];
-        for most in limits {
-            let given_up = searched(&|search| search.most = most);
-            assert!(!given_up.0);
-            assert_eq!(tried.1, given_up.1);
-        }
-        println!(
-            "{few} directions tried, {many} proved; {} limits",
-            limits.len()
-        );
-        // An error between the aim and the tolerance is refused by the aim, and that is said.
         let mut search = Search::new(&bake, exact, 0.02);
         search.incidences = (0..=MOST_DIRECTIONS).map(|k| 0.04 * k as f64).collect();
         search.azimuths = vec![0.0];

@@ -16,7 +16,6 @@ mod directions;
 mod error;
 mod exits;
 mod paths;
-mod proved;
 mod provenance;
 mod ranks;
 mod retrace;

@@ -62,11 +62,11 @@ impl<'a> Bake<'a> {
             exact: None,
             rules: plan.rules(prepared.cell()),
             tracer: Tracer::Fastest,
-            proved: false,
+            chosen: None,
         };
         if let Some(tolerance) = plan.direction_tolerance {
             let exact = exact.clone().map_err(RunError::DirectionsOfRays)?;
-            (bake.axes, bake.proved) = directions::choose(&bake, exact, tolerance, watch)?;
+            (bake.axes, bake.chosen) = directions::choose(&bake, exact, tolerance, watch)?;
         }
         bake.exact = match (plan.method, exact) {
             (Method::Rays, _) | (Method::Auto, Err(_)) => None,

@@ -16,7 +16,7 @@ pub(crate) const OPEN: f64 = 1.0;
 /// corners.
 ///
 /// Light that leaves in a direction farther off counts as light in a wrong bin.
-pub(crate) const ASTRAY_RAD: f64 = 5e-6;
+const ASTRAY_RAD: f64 = 5e-6;
 
 /// Returns the total variation between the interpolated table and the truth in one direction,
 /// degrees, or the share of the light astray if that is more.

@@ -343,7 +343,6 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
             45.0,
             30,
         ),
-        // Trials alone need 40 directions, a proof 60.
         (design("full-cube", |_| ()), 1.49, 45.0, 60),
         (design("triangular-pair", uneven), 1.49, 45.0, 40),
         // Beyond the limit of 35.26 deg of a hollow cube, near which its six paths end at slightly
