@@ -8,5 +8,3 @@ pub mod estimate;
 pub mod files;
 pub mod page;
 pub mod program;
-pub mod rooms;
-pub mod words;
