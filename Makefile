@@ -1,4 +1,4 @@
-# Needs Rust (rustup), a C and a C++ compiler, make and Python 3 with venv. What else a build or a
+# Needs Rust (rustup), a C compiler, make and Python 3 with venv. What else a build or a
 # test needs is brought into .tools/ by `tools` and `python` below, without root; `make clean`
 # removes it again.
 
@@ -115,7 +115,7 @@ test-mpi: rust tools
 	@$(CARGO) test --workspace --features bake/mpi --test mpi --locked
 	@$(CARGO) test -p bake --features mpi --lib --locked -- ranks
 
-# The lean fitter, built from nothing and without a C++ compiler: crates, seconds and megabytes,
+# The lean fitter, built from nothing: crates, seconds and megabytes,
 # then its verbs.
 test-lean: rust tools
 	@echo "== the lean fitter" >&2
@@ -161,15 +161,15 @@ test-materialx: demo
 	@$(venv) && $(pip) "materialx==1.39.5"
 	@"$(VENV)/bin/python" tests/in_materialx.py $(BIN)/fit demo/result.json demo/pair.h5
 
-# PSNR, SSIM, FLIP and LPIPS beside the packages that people compare with, in an environment of
-# their own: torch is large. Then the published comparison with LPIPS, by seeded weights.
-test-metrics: build
-	@test -x .tools/metrics/bin/python || $(PYTHON) -m venv .tools/metrics
-	@.tools/metrics/bin/python -m pip install --quiet --disable-pip-version-check $(METRICS)
-	@.tools/metrics/bin/python fit/tests/metrics.py $(BIN)/fit .tools/metrics/seeded.safetensors
-	@.tools/metrics/bin/python tests/table1.py $(BIN) .tools/metrics/table1 \
-		--lpips .tools/metrics/seeded.safetensors
-METRICS = numpy scikit-image flip-evaluator torch torchvision lpips safetensors
+# Pictures compared, with LPIPS by seeded weights, in an environment of their own: torch is large.
+test-metrics: build wheel
+	@$(call metrics,torch torchvision lpips)
+	@cd python/tests && $(CURDIR)/.tools/metrics/bin/python -m unittest test_evaluate
+	@.tools/metrics/bin/python tests/table1.py $(BIN) .tools/metrics/table1 --seeded-lpips
+# $(1): further packages.
+metrics = { test -x .tools/metrics/bin/python || $(PYTHON) -m venv .tools/metrics; } && \
+	.tools/metrics/bin/python -m pip install --quiet --disable-pip-version-check --upgrade \
+		"$$(ls $(CURDIR)/dist/airr-*.whl)[evaluate]" $(1)
 
 # ---- The Python package: a wheel with the module and the programs, which `pip install` puts where
 # there is neither Rust nor HDF5.
@@ -188,7 +188,7 @@ test-package: tools python
 	@rm -rf .tools/dist && AIRR_PROFILE=dev && export AIRR_PROFILE && $(call wheel_into,.tools/dist)
 	@$(pip) --force-reinstall --no-deps .tools/dist/airr-*.whl
 	@cd python/tests && "$(VENV)/bin/python" -m unittest $(PACKAGE_TESTS)
-PACKAGE_TESTS = test_programs test_tables test_arrays test_process test_signatures test_pages
+PACKAGE_TESTS = test_programs test_tables test_arrays test_evaluate test_process test_signatures test_pages
 
 # The wheel as a user installs it, in a new environment and with an empty PATH: all tests of the
 # package, its examples, its programs and its notebooks.
@@ -254,11 +254,11 @@ bench: tools
 		else echo "bench: no package has a benches/ folder yet"; fi
 
 # ---- The published comparison: models fitted to photographs of a physical truth, images rendered
-# and scored. LPIPS: the weights that fit/doc/lpips_weights.py writes.
+# and scored. LPIPS is scored where torch, lpips and its weights are in .tools/metrics.
 
-table1: build python
-	@"$(VENV)/bin/python" tests/table1.py target/release fit/doc/table1 \
-		$(if $(LPIPS),--lpips "$(LPIPS)")
+table1: build wheel
+	@$(call metrics)
+	@.tools/metrics/bin/python tests/table1.py $(BIN) fit/doc/table1
 
 # ---- From a mesh and photographs to a, c and mu. Progress goes to a terminal only; a pipe gets
 # results.

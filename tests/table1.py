@@ -1,6 +1,9 @@
 """Repeats the published comparison: two sheets, three pictures, two distances, four models.
 
-    python tests/table1.py BIN_FOLDER OUT_FOLDER [--lpips WEIGHTS.safetensors]
+    python tests/table1.py BIN_FOLDER OUT_FOLDER [--seeded-lpips]
+
+It needs the package airr with its extra `evaluate`. LPIPS is scored where torch, lpips and its
+weights are there; with --seeded-lpips by random weights, which only show that it is scored.
 
 All models are fitted to the same photographs of edges. The truth is wave optics of the cubes
 (kernel wave) in the light of an LED, photographed with camera noise. No fitted model has this
@@ -16,6 +19,7 @@ import sys
 import zlib
 from pathlib import Path
 
+import airr
 import numpy as np
 
 SHEETS = {"A": {"c": 0.40, "mu": 0.5}, "B": {"c": 0.18, "mu": 0.3}}
@@ -46,45 +50,8 @@ def write_png(path, image, bits=16):
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + data)
 
 
-def read_png(path):
-    """Reads a 16-bit RGB PNG without interlacing."""
-    data, at, packed = path.read_bytes(), 8, b""
-    while at < len(data):
-        size, name = struct.unpack(">I4s", data[at : at + 8])
-        body = data[at + 8 : at + 8 + size]
-        if name == b"IHDR":
-            width, height, bits, colour = struct.unpack(">IIBB", body[:10])
-            assert (bits, colour) == (16, 2), f"{path}: not 16-bit RGB"
-        packed += body if name == b"IDAT" else b""
-        at += size + 12
-    lines = (
-        np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 6 * width).astype(int)
-    )
-    above = np.zeros((width, 6), int)
-    rows = []
-    for line in lines:
-        row, left, corner = line[1:].reshape(width, 6), np.zeros(6, int), np.zeros(6, int)
-        if line[0] == 0:
-            here = row
-        elif line[0] == 1:
-            here = np.cumsum(row, axis=0) % 256
-        elif line[0] == 2:
-            here = (row + above) % 256
-        else:
-            here = np.empty_like(row)
-            for x in range(width):
-                if line[0] == 3:
-                    guess = (left + above[x]) // 2
-                else:
-                    p = left + above[x] - corner
-                    a, b, c = abs(p - left), abs(p - above[x]), abs(p - corner)
-                    guess = np.where((a <= b) & (a <= c), left, np.where(b <= c, above[x], corner))
-                left, corner = (row[x] + guess) % 256, above[x]
-                here[x] = left
-        rows.append(here)
-        above = here
-    high_low = np.array(rows).reshape(height, width, 3, 2)
-    return (256 * high_low[..., 0] + high_low[..., 1]) / 65535
+def read(path):
+    return airr.picture(path)
 
 
 def srgb(light):
@@ -220,9 +187,18 @@ exposure = 4.0
     return text
 
 
+def seeded():
+    import lpips
+    import torch
+
+    torch.manual_seed(1)
+    network = lpips.LPIPS(net="alex", pretrained=False, pnet_rand=True, verbose=False)
+    return network.eval()
+
+
 def main():
     programs, out = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
-    weights = Path(sys.argv[4]).resolve() if sys.argv[3:4] == ["--lpips"] else None
+    network = seeded() if "--seeded-lpips" in sys.argv else None
     work = programs.parent / "table1"
     out.mkdir(parents=True, exist_ok=True)
     work.mkdir(parents=True, exist_ok=True)
@@ -321,18 +297,16 @@ def main():
                 )
                 render("truth", "light.png")
                 electrons = random.poisson(
-                    read_png(work / "light.png") * FULL_WELL
+                    read(work / "light.png") * FULL_WELL
                 ) + READ_NOISE * random.standard_normal((HEIGHT, WIDTH, 3))
                 write_png(work / "photo.png", electrons / FULL_WELL)
-                row = [read_png(work / "photo.png")]
+                row = [read(work / "photo.png")]
                 for model in MODELS:
                     render(model, "model.png")
-                    options = ["--lpips", weights] if weights else []
-                    score = json.loads(
-                        fit("evaluate", "model.png", "photo.png", *options, "--json")
-                    )
-                    scores[name, distance, model, content] = score
-                    row.append(read_png(work / "model.png"))
+                    pair = [work / "model.png", work / "photo.png"]
+                    score = airr.evaluate(*pair, network=network)
+                    scores[name, distance, model, content] = vars(score)
+                    row.append(read(work / "model.png"))
                 if name == "A" and (content != "natural" or distance == 150):
                     pictures.append(np.concatenate([picture[::2, ::2] for picture in row], axis=1))
                 print(f"sheet {name}, {distance} mm, {content}: done", file=sys.stderr)

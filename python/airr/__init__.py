@@ -18,6 +18,7 @@ degrees. Light is linear.
 
 from airr import _programs as _programs
 from airr._errors import AirrWarning, Error
+from airr._evaluate import Scores, evaluate
 from airr._fit import Edge, Estimate, Report, Result
 from airr._fit import estimate, load, measure, sheet, simulate, study
 from airr._mesh import Mesh, design
@@ -34,10 +35,12 @@ __all__ = [
     "Path",
     "Report",
     "Result",
+    "Scores",
     "Table",
     "__version__",
     "design",
     "estimate",
+    "evaluate",
     "load",
     "measure",
     "open",

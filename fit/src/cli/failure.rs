@@ -11,7 +11,7 @@ use crate::estimate::scene;
 #[cfg(all(feature = "images", feature = "report"))]
 use crate::explore;
 #[cfg(feature = "images")]
-use crate::images::{metrics, render};
+use crate::images::render;
 use crate::names::Family;
 use crate::photographs::photo::plane::as_shown;
 use crate::photographs::{captures, edge, photo};
@@ -80,10 +80,12 @@ pub(crate) enum Failure {
     /// Failure of the prediction.
     #[error(transparent)]
     Predict(#[from] predict::Error),
-    /// Failure of the comparison of pictures.
-    #[cfg(feature = "images")]
-    #[error(transparent)]
-    Evaluate(#[from] metrics::error::Error),
+    /// Verb that has moved to the Python package.
+    #[error(
+        "evaluate: pictures are compared in Python; pip install \"airr[evaluate]\", then \
+        airr.evaluate(\"rendered.png\", \"photograph.png\")"
+    )]
+    Evaluate,
     /// Failure of the mid-air image.
     #[cfg(feature = "images")]
     #[error(transparent)]

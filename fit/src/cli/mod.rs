@@ -9,7 +9,6 @@ mod by_hand;
 pub mod calls;
 mod estimate;
 #[cfg(feature = "images")]
-mod evaluate;
 mod expected;
 #[cfg(all(feature = "images", feature = "report"))]
 mod explore;

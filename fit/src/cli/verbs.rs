@@ -10,9 +10,9 @@ use tables::cli::{Completions, Manual, version};
 #[cfg(all(feature = "images", feature = "report"))]
 use crate::cli::explore;
 use crate::cli::failure::Failure;
-use crate::cli::{estimate, export, mtf, predict, simulate, study};
 #[cfg(feature = "images")]
-use crate::cli::{evaluate, render};
+use crate::cli::render;
+use crate::cli::{estimate, export, mtf, predict, simulate, study};
 
 /// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from
 /// photographs of mid-air images, and predicts what the sheet shows elsewhere.
@@ -41,8 +41,13 @@ enum Verb {
     Render(render::Arguments),
     #[cfg(all(feature = "images", feature = "report"))]
     Explore(explore::Arguments),
-    #[cfg(feature = "images")]
-    Evaluate(evaluate::Arguments),
+    /// Names the heir of a verb that is gone.
+    #[command(hide = true)]
+    Evaluate {
+        /// Words of the former verb.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        words: Vec<std::ffi::OsString>,
+    },
     Simulate(simulate::Arguments),
     Study(study::Arguments),
     #[command(after_help = "Example: for the shell that is open\n  fit completions bash")]
@@ -67,8 +72,7 @@ pub fn main(commit: Option<&str>) -> ExitCode {
         Verb::Render(arguments) => render::run(&arguments),
         #[cfg(all(feature = "images", feature = "report"))]
         Verb::Explore(arguments) => explore::run(&arguments),
-        #[cfg(feature = "images")]
-        Verb::Evaluate(arguments) => evaluate::run(&arguments),
+        Verb::Evaluate { .. } => Err(Failure::Evaluate),
         Verb::Simulate(arguments) => simulate::run(&arguments),
         Verb::Study(arguments) => study::run(&arguments),
         Verb::Completions(arguments) => arguments.run(command()).map_err(Failure::from),

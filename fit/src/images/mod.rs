@@ -1,11 +1,9 @@
-//! Mid-air images of whole pictures, and measures of how alike two pictures look (feature
-//! `images`).
+//! Mid-air images of whole pictures (feature `images`).
 //!
-//! A picture, a result and a table enter. A rendered picture or measures of likeness leave. The
-//! room may touch predictions, samples, the model and the reading of pictures.
+//! A picture, a result and a table enter. A rendered picture leaves. The room may touch
+//! predictions, samples, the model and the reading of pictures.
 
 mod exposure;
-pub(crate) mod metrics;
 mod plane;
 pub(crate) mod render;
 mod sheet;
@@ -13,7 +11,6 @@ mod spot;
 mod watch;
 
 pub(crate) use exposure::automatic;
-pub(crate) use metrics::Shown;
 pub(crate) use render::Scale;
 #[cfg(test)]
 pub(crate) use render::viewed;

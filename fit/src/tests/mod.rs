@@ -28,7 +28,6 @@ mod jpeg;
 mod known;
 mod lamps;
 #[cfg(feature = "images")]
-mod metrics;
 mod mirror;
 mod noise;
 mod nominal;

@@ -12,7 +12,7 @@ use tests::files::{argument, bake_table, project};
 
 /// Crates that only the default features need: for plots, FLIP in C++, pictures as text, and
 /// progress bars.
-const FEATURES_BRING: [&str; 5] = ["kuva", "nv-flip", "nv-flip-sys", "base64", "indicatif"];
+const FEATURES_BRING: [&str; 3] = ["kuva", "base64", "indicatif"];
 
 fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO"));
@@ -241,9 +241,8 @@ fn the_lean_program_does_its_verbs() {
         assert_eq!(code, Some(0), "fit {}\n{said}", arguments.join(" "));
     }
     // The lean program does not offer missing verbs and options. To ask for one is wrong usage.
-    let absent: [&[&str]; 5] = [
+    let absent: [&[&str]; 4] = [
         &["render"],
-        &["evaluate"],
         &["estimate", &manifest, "--table", &table, "--plot", "a.svg"],
         &[
             "estimate", &manifest, "--table", &table, "--report", "a.html",

@@ -24,7 +24,7 @@ const OTHERS: [&str; 15] = [
     "fit mtf none.exr",
     "fit study --no-such-option",
     "fit completions zsh",
-    "fit evaluate ../campaign/source.exr ../campaign/source.exr",
+    "fit evaluate a.png b.png",
     "fit estimate ../campaign/captures.toml --table ../pair.h5 --kernel eq1 --lobe radial --json",
 ];
 
