@@ -1,7 +1,7 @@
 //! Rays with directions of their own that are traced beside their neighbours, for scenes with a
 //! hierarchy.
 //!
-//! Rays diverge on curved or rough faces, and a photon ends by its own chance. But neighbours still
+//! Rays diverge on curved or rough faces, and each photon is absorbed at random. But neighbours still
 //! travel alike for some reflections. A **swarm** holds rays that enter side by side. In each step
 //! they are grouped by the signs of their directions, and every group goes down the hierarchy as a
 //! cluster. Then each ray passes its own facet as [`crate::rays::path::trace`] lets it pass.

@@ -343,11 +343,11 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
             45.0,
             30,
         ),
-        (design("full-cube", |_| ()), 1.49, 45.0, 60),
+        (design("full-cube", |_| ()), 1.49, 45.0, 45),
         (design("triangular-pair", uneven), 1.49, 45.0, 40),
         // Beyond the limit of 35.26 deg of a hollow cube, near which its six paths end at slightly
         // different angles.
-        (design("triangular-pair", uneven), 1.0, 38.0, 114),
+        (design("triangular-pair", uneven), 1.0, 38.0, 90),
     ];
     let mut tried = 0;
     for (cell, index, steepest, most) in cases {

@@ -131,7 +131,7 @@ pub(crate) struct Doubted<'a> {
 /// Changes of the logarithms of all parameters: c, the spreads, mu.
 type Changes = Vec<f64>;
 
-/// Way from the optimum of the estimate to that in another scene.
+/// How the change of the estimate in a perturbed scene is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
     /// One step of Gauss and Newton.
