@@ -5,8 +5,8 @@
 .SUFFIXES:
 .NOTPARALLEL:
 .PHONY: all build install demo manual deny msrv table1 wheel fmt lint doc bench tools python rust \
-	clean mutants test test-full test-statistics test-lean test-mpi test-raw test-mitsuba \
-	test-materialx test-metrics test-package test-python test-fuzz test-kills
+	clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx \
+	test-metrics test-python test-fuzz
 
 CARGO = cargo
 PYTHON = python3
@@ -80,25 +80,34 @@ pip = "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --
 
 test: fmt lint doc python
 	@echo "== tests" >&2
-	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --locked
-	@# With airr, whose macros want other features: nothing is compiled anew.
-	@echo "== long tests of fit: stated errors over hundreds of drawn campaigns, and others" >&2
+	@rm -f "$(SKIPPED)"
+	@AIRR_SKIPPED="$(SKIPPED)" AIRR_PYTHON="$(VENV)/bin/python" \
+		$(CARGO) test --workspace --locked
+	@sort "$(SKIPPED)" 2>/dev/null | uniq -c | sed 's/^ */skipped tests: /' || true
+SKIPPED = $(CURDIR)/target/skipped
+
+# The long parts that need nothing more than `test` does: `.ci/run` runs one of them after it.
+PARTS = test-statistics test-slowest test-package test-kills
+.PHONY: $(PARTS) parts
+parts:
+	@echo $(PARTS)
+
+# What takes minutes or wants more than a fresh machine has. Each is one command.
+test-full: test $(PARTS) test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
+	test-python test-fuzz
+
+# With airr, whose macros want other features: nothing is compiled anew.
+test-statistics: rust tools
+	@echo "== stated errors over hundreds of drawn campaigns, and other long tests of fit" >&2
 	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored --skip trust_costs \
 		$(addprefix --skip ,$(SLOWEST))
-	@$(MAKE) --no-print-directory test-package
 
-# The slowest of the long tests.
+test-slowest: rust tools
+	@echo "== the slowest statistics of fit" >&2
+	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored $(SLOWEST)
 SLOWEST = statistics_near_full_scale statistics_of_uneven_light statistics_of_bounds \
 	statistics_of_correlated_noise statistics_of_predictions statistics_of_mtf10_in_noise \
 	traced_photographs_give_their_corner_size
-
-test-statistics: rust tools
-	@echo "== the slowest statistics of fit" >&2
-	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored $(SLOWEST)
-
-# What takes minutes or wants more than a fresh machine has.
-test-full: test test-statistics test-lean test-mpi test-raw test-mitsuba test-materialx \
-	test-metrics test-python test-fuzz test-kills
 
 # A hundred kills of every command that writes, at random times.
 test-kills: rust tools

@@ -1,6 +1,7 @@
 //! A headless Chromium, if the machine has one.
 
 use std::ffi::OsString;
+use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -25,8 +26,9 @@ pub struct Browser {
 impl Browser {
     /// Finds a Chromium: the program that AIRR_CHROMIUM names, or else one on PATH.
     ///
-    /// Returns `None` if there is none, and writes a message straight to standard error: the test
-    /// harness hides what a passing test prints.
+    /// Returns `None` if there is none, and says so straight on standard error, because the test
+    /// harness hides what a passing test prints. `make test` says it again at its end: it collects
+    /// one line for each skipped test in the file that AIRR_SKIPPED names.
     ///
     /// # Panics
     /// Panics if AIRR_CHROMIUM names no file.
@@ -44,12 +46,14 @@ impl Browser {
             None => on_path(),
         };
         if program.is_none() {
-            let _ = writeln!(
-                std::io::stderr(),
-                "SKIPPED: no Chromium on PATH, the report was not looked at in a browser (Debian: \
-                apt install chromium, \
-                 or set AIRR_CHROMIUM)"
-            );
+            const REASON: &str = "no Chromium on PATH, so a page was not looked at in a browser \
+                (Debian: apt install chromium, or set AIRR_CHROMIUM)";
+            let _ = writeln!(std::io::stderr(), "SKIPPED: {REASON}");
+            let notes = std::env::var_os("AIRR_SKIPPED").map(|file| {
+                let mut file = OpenOptions::new().create(true).append(true).open(file)?;
+                writeln!(file, "{REASON}")
+            });
+            notes.transpose().expect("AIRR_SKIPPED takes a line");
         }
         Some(Browser {
             program: program?,

@@ -263,7 +263,7 @@ mod tests {
     /// holds more often, because a blur is never negative, and the share says little. For n
     /// campaigns the share scatters by sqrt(0.95 x 0.05 / n); the limit is 4 of these.
     #[test]
-    #[ignore = "minutes: `make test` runs it"]
+    #[ignore = "minutes: `make test-full` runs it"]
     fn statistics_of_bounds_of_drawn_campaigns() {
         const DRAWS: u64 = 320;
         let incidence = [0.0, 25.0];

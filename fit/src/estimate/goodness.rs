@@ -337,7 +337,7 @@ mod tests {
     /// a standard deviation of sqrt(2/160) = 0.11; the limits are 4 of these. c and a of one
     /// photograph go together, so each has its own mean.
     #[test]
-    #[ignore = "20 processor-seconds: `make test` runs it"]
+    #[ignore = "20 processor-seconds: `make test-full` runs it"]
     fn halves_of_a_photograph_scatter_by_its_noise() {
         const DRAWS: u64 = 160;
         let sheet = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.33, 0.5);

@@ -114,7 +114,7 @@ fn correlated_noise_counts_by_its_autocorrelation() {
 /// Checks that standard errors hold where neighbours share their noise. Without the factor the
 /// errors would be 2.7 times too small.
 #[test]
-#[ignore = "minutes: `make test` runs it"]
+#[ignore = "minutes: `make test-full` runs it"]
 fn statistics_of_correlated_noise() {
     const DRAWS: u64 = 160;
     let losses = [Kind::Mtf, Kind::Edge];

@@ -35,7 +35,7 @@ fn nearest(x: f64, y: f64, deg: f64, height: &impl Fn(f64) -> f64) -> f64 {
 /// left. Both lower the MTF by less than 1e-3. Distances along the normal differ from the nearest
 /// ones by 1e-3 px in the reach of the blur.
 #[test]
-#[ignore = "seconds: `make test` runs it"]
+#[ignore = "seconds: `make test-full` runs it"]
 fn curved_edges_have_the_mtf_of_the_blur() {
     let (mut cases, mut most) = (0, 0.0_f64);
     for sigma in [0.8, 3.0, 11.0] {

@@ -100,7 +100,7 @@ fn planted(seed: u64) -> (Scene, [f64; 3]) {
 /// of 8 pulls of one parameter is chi-square with 8 degrees of freedom over 8. It is between 0.043
 /// and 4.33 but for 1 case in 30,000 at each end.
 #[test]
-#[ignore = "seconds: `make test` runs it"]
+#[ignore = "seconds: `make test-full` runs it"]
 fn stated_errors_hold_for_a_lens_with_the_exponent_1_6() {
     const DRAWS: u64 = 8;
     let mut squares = [[0.0; 3]; 2];

@@ -82,7 +82,7 @@ fn parts(curve: &Curve) -> Vec<&Vec<f64>> {
 /// Chance exceeds 6 standard errors with 7 degrees of freedom at 5 in 10^4 frequencies; 1 in 100 is
 /// allowed.
 #[test]
-#[ignore = "seconds: `make test` runs it"]
+#[ignore = "seconds: `make test-full` runs it"]
 fn curves_are_those_of_the_closed_form() {
     const FLOOR: f64 = 1e-4;
     let mut cases = 0;

@@ -253,7 +253,7 @@ fn spread(values: &[f64]) -> [f64; 3] {
 /// Without noise the limits are those of the method: bins, window and search for the edge. With
 /// noise the mean error of n draws may be 4 of its standard errors, besides that.
 #[test]
-#[ignore = "10 processor-seconds: `make test` runs it"]
+#[ignore = "10 processor-seconds: `make test-full` runs it"]
 fn statistics_of_known_edges() {
     const DRAWS: u64 = 200;
     let mut figures = 0;
@@ -323,7 +323,7 @@ fn statistics_of_known_edges() {
 /// whose MTF10 is hardly above the noise and was chosen by it. With the slope of the cubic itself
 /// the mean square was 1.27. The coverage scatters by 0.008.
 #[test]
-#[ignore = "30 processor-seconds: `make test` runs it"]
+#[ignore = "30 processor-seconds: `make test-full` runs it"]
 fn statistics_of_mtf10_in_noise() {
     let draws = measured(1500, 20.0);
     let pulls: Vec<f64> = draws

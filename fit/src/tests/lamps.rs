@@ -277,7 +277,7 @@ fn high_orders_of_a_curve_do_not_run_away_in_little_light() {
 /// The errors of a blur stay true in uneven light, whether a lamp or the camera makes it. The hot
 /// spot is not smooth enough for a polynomial: this may add a tenth of an error to the mean.
 #[test]
-#[ignore = "minutes: `make test` runs it"]
+#[ignore = "minutes: `make test-full` runs it"]
 fn statistics_of_lamps_and_cameras() {
     const DRAWS: u64 = 120;
     let mut figures = 0;

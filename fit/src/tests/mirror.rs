@@ -248,7 +248,7 @@ fn said_of_the_key(found: &Estimated) -> Option<&String> {
 /// camera saw the sheet. With the key turned round nothing fits, and the key is the first suspect.
 /// Without the key a warning names both answers.
 #[test]
-#[ignore = "seconds: `make test` runs it"]
+#[ignore = "seconds: `make test-full` runs it"]
 fn traced_photographs_give_their_corner_size() {
     let mut cases = 0;
     for seen_in_mirror in [false, true] {

@@ -376,7 +376,7 @@ fn remarks_name_what_leaves_the_photographs() {
 /// the photographs. Kernels are eq1 and angular, in half of the campaigns with one a and one mu for
 /// each incidence. Limits are those of [`check`].
 #[test]
-#[ignore = "45 processor-seconds: `make test` runs it"]
+#[ignore = "45 processor-seconds: `make test-full` runs it"]
 fn statistics_of_predictions() {
     const DRAWS: u64 = 600;
     const FIGURES: [&str; 4] = ["MTF at 0.5", "MTF at 0.25", "MTF50", "luminance"];

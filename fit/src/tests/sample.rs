@@ -51,7 +51,7 @@ fn agree(sampled: (Complex64, f64), exact: Complex64, rest: f64, what: &str) {
 }
 
 #[test]
-#[ignore = "seconds: `make test` runs it"]
+#[ignore = "seconds: `make test-full` runs it"]
 fn the_lobes_samples_have_its_otf() {
     let (mut cases, mut gains) = (0, Vec::new());
     for shape in LobeShape::ALL.into_iter().chain(LobeShape::MICROFACETS) {
@@ -91,7 +91,7 @@ fn the_lobes_samples_have_its_otf() {
 }
 
 #[test]
-#[ignore = "seconds: `make test` runs it"]
+#[ignore = "seconds: `make test-full` runs it"]
 fn the_shifts_samples_have_its_otf() {
     let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.3, 0.5);
     let incidence = [0.0, 20.0, 45.0];

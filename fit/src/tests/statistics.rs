@@ -120,7 +120,7 @@ fn drawn<const N: usize>(
 /// The rule that looks for uneven light corrects even light in about one photograph of 400. The mu
 /// of the MTFs is then 3 to 10 standard errors off, so these campaigns are left out for it.
 #[test]
-#[ignore = "minutes: `make test` runs it"]
+#[ignore = "minutes: `make test-full` runs it"]
 fn standard_errors_are_true() {
     const DRAWS: u64 = 250;
     let draws = drawn(DRAWS, [5e3, 4e4], |scene| {
@@ -154,7 +154,7 @@ fn standard_errors_are_true() {
 /// Standard errors of the pixels are true where the camera cuts dark pixels off at 0: 500 to 2,000
 /// electrons at full scale.
 #[test]
-#[ignore = "minutes: `make test` runs it"]
+#[ignore = "minutes: `make test-full` runs it"]
 fn standard_errors_are_true_in_low_light() {
     const DRAWS: u64 = 250;
     let draws = drawn(DRAWS, [5e2, 2e3], |scene| {
@@ -174,7 +174,7 @@ fn standard_errors_are_true_in_low_light() {
 /// it, has a limit on either side, and the loss `mtf`, which leaves out phases and tails, has a
 /// lower one. Its mu has none: it takes the light as even, which the bound does not.
 #[test]
-#[ignore = "minutes: `make test` runs it"]
+#[ignore = "minutes: `make test-full` runs it"]
 fn drawn_campaigns_reach_the_bound() {
     const CAMPAIGNS: u64 = 300;
     let all = trials(7, CAMPAIGNS);
@@ -252,7 +252,7 @@ fn verdicts_are_calibrated(trials: &[&Trial]) {
 /// is chosen as often. Of n campaigns the share scatters by sqrt(0.95 x 0.05 / n); the limit is 95
 /// % less 4 of these.
 #[test]
-#[ignore = "minutes: `make test` runs it"]
+#[ignore = "minutes: `make test-full` runs it"]
 fn terms_are_chosen_where_they_can_be_told() {
     let ranges = Ranges {
         photographs: [3.0, 6.0],
@@ -321,7 +321,7 @@ fn pulls_of(ranges: &Ranges, campaigns: u64) -> Vec<Vec<Vec<f64>>> {
 /// Errors stay true where the edges are bent: arcs of circles of up to 3 pixels and sines of up to
 /// 1 pixel. The estimator follows polynomials, which neither of them is.
 #[test]
-#[ignore = "minutes: `make test` runs it"]
+#[ignore = "minutes: `make test-full` runs it"]
 fn statistics_of_bent_edges() {
     let ranges = Ranges {
         photographs: [2.0, 6.0],
@@ -345,7 +345,7 @@ fn statistics_of_bent_edges() {
 /// drawn for each photograph. A veil over the dark side is not lit, edges are bent, and some pixels
 /// are hot.
 #[test]
-#[ignore = "minutes: `make test-statistics` runs it"]
+#[ignore = "minutes: `make test-full` runs it"]
 fn statistics_of_uneven_light() {
     const CAMPAIGNS: u64 = 180;
     let ranges = Ranges {
@@ -373,7 +373,7 @@ fn statistics_of_uneven_light() {
 /// test limits the share of truths within 1.96 errors. For n draws it scatters by
 /// sqrt(0.95 x 0.05 / n); the limit is 4 of these.
 #[test]
-#[ignore = "minutes: `make test` runs it"]
+#[ignore = "minutes: `make test-full` runs it"]
 fn statistics_without_a_reference() {
     const DRAWS: u64 = 200;
     let draw = |seed: u64| {
@@ -418,7 +418,7 @@ fn statistics_without_a_reference() {
 /// Standard errors of the pixels are true where the camera cuts bright pixels off at full scale:
 /// the bright side lies within one standard deviation of a pixel's noise from it.
 #[test]
-#[ignore = "minutes: `make test-statistics` runs it"]
+#[ignore = "minutes: `make test-full` runs it"]
 fn statistics_near_full_scale() {
     const DRAWS: u64 = 200;
     let draw = |seed: u64| {

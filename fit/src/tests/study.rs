@@ -87,7 +87,7 @@ fn refusals_are_counted_by_their_reason() {
 /// the MTFs do not. Over 12 campaigns the mean square of a normal pull scatters by sqrt(2/12) =
 /// 0.41 about 1; the limits are 4 of these.
 #[test]
-#[ignore = "seconds: `make test` runs it"]
+#[ignore = "seconds: `make test-full` runs it"]
 fn uneven_light_is_drawn_and_the_pixels_mu_holds() {
     let ranges = Ranges {
         photographs: [4.0, 4.0],

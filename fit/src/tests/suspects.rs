@@ -328,7 +328,7 @@ fn wrong_tables_are_noticed() {
 
 /// The default lobe does not describe photographs of the other one.
 #[test]
-#[ignore = "seconds: `make test` runs it"]
+#[ignore = "seconds: `make test-full` runs it"]
 fn a_lobe_that_was_not_tried_is_named() {
     let sheet = truth(Kernel::Eq1, LobeShape::Separable, 3.4, 0.33, 0.5);
     let shots = params(

@@ -103,7 +103,7 @@ fn changed(given: Given, by: f64, manifest: &mut Campaign, sheet: &mut PlantedSh
 /// about 3 % of the effect: 5 % are allowed. A plateau changes with the blur by a tenth of it, so
 /// mu may err by a tenth of what c does. The scales change c, a and mu by powers of 1.01.
 #[test]
-#[ignore = "seconds: `make test` runs it"]
+#[ignore = "seconds: `make test-full` runs it"]
 fn effects_are_those_of_estimates_with_other_inputs() {
     let (mut cases, mut worst) = (0, 0.0_f64);
     for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Wave] {
@@ -174,7 +174,7 @@ fn effects_are_those_of_estimates_with_other_inputs() {
 
 /// The effect of a cell is known if its table is given, and is then that of an estimate with it.
 #[test]
-#[ignore = "seconds: `make test` runs it"]
+#[ignore = "seconds: `make test-full` runs it"]
 fn another_table_shows_what_the_cell_does() {
     let planted = planted(Kernel::Shift);
     let stated = trial::campaign(&planted, &[]);

@@ -105,7 +105,7 @@ fn raster(
 /// 2e-5 of values that are below 0.1 there. 600 rows leave 1/(24 x 600^2) of the curvature of a
 /// chord's integral, (70/2)^2, of such values: 1.4e-5.
 #[test]
-#[ignore = "seconds: `make test` runs it"]
+#[ignore = "seconds: `make test-full` runs it"]
 fn closed_form_meets_the_pupil_on_a_raster() {
     let incidence = [0.0, 20.0, 40.0];
     let table = ideal(&incidence);
