@@ -12,9 +12,12 @@ pub(crate) const PROGRAM_FACETS: usize = 16;
 
 /// Largest number of planar facets that the exact method takes, after joining coplanar triangles.
 ///
-/// They are the facets of a cell, or of one body of each kind if the cell is taken apart. The work
-/// grows with their square.
+/// They are the facets of a cell, or of one body of each kind if the cell is taken apart.
 pub(crate) const MOST_FACETS: usize = 6144;
+
+/// Largest number of planar facets of one body that the exact method takes. The work grows with
+/// their square.
+pub(crate) const MOST_FACETS_OF_BODY: usize = 2048;
 
 /// Largest number of triangles of a cell that is not taken apart. Joining those of a plane takes a
 /// time that grows with their square.

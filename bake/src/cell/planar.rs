@@ -3,7 +3,7 @@
 //! The form is the planar facets and the openings of the bodies of the cell.
 
 use crate::cell::body::Body;
-use crate::cell::limits::{MEAN_ERROR, MOST_FACETS};
+use crate::cell::limits::{MEAN_ERROR, MOST_FACETS, MOST_FACETS_OF_BODY};
 use crate::cell::part::Part;
 
 /// The reason why a cell cannot be baked exactly.
@@ -67,7 +67,8 @@ impl ExactCell {
     ///
     /// # Errors
     ///
-    /// Returns [`ExactError::TooManyFacets`] if there are more than [`MOST_FACETS`] planar facets.
+    /// Returns [`ExactError::TooManyFacets`] if there are more than [`MOST_FACETS`] planar facets, or
+    /// more than [`MOST_FACETS_OF_BODY`] in one body.
     pub(crate) fn new(parts: &[Part]) -> Result<Self, ExactError> {
         let most = parts.iter().map(|part| part.copies).max();
         let weight = |copies: usize| copies as f64 / most.unwrap_or(1) as f64;
@@ -82,14 +83,15 @@ impl ExactCell {
                 .sum(),
             bodies,
         };
-        let facets = exact.facet_count();
-        if facets > MOST_FACETS {
-            return Err(ExactError::TooManyFacets {
-                facets,
-                limit: MOST_FACETS,
-            });
+        let largest = exact.bodies.iter().map(|body| body.facets.len()).max();
+        let counts = [
+            (largest.unwrap_or(0), MOST_FACETS_OF_BODY),
+            (exact.facet_count(), MOST_FACETS),
+        ];
+        match counts.into_iter().find(|(facets, limit)| facets > limit) {
+            Some((facets, limit)) => Err(ExactError::TooManyFacets { facets, limit }),
+            None => Ok(exact),
         }
-        Ok(exact)
     }
 
     /// Returns the area of the entrance, square edge lengths. For a sheet of many cells it is that

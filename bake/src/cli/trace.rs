@@ -443,7 +443,7 @@ impl Job<'_> {
         let table = self
             .bake
             .table_from(Watch::new(&advance), Some(saves), ranks);
-        let took = start.elapsed();
+        let seconds = start.elapsed().as_secs_f64();
         progress.finish();
         warn(Vec::from_iter(unsaved.map(|error| {
             format!("the bake could not be saved for --resume: {error}")
@@ -465,8 +465,8 @@ impl Job<'_> {
         let report = report::Trace {
             table: &table,
             file: self.file,
-            seconds: took.as_secs_f64(),
-            between: self.bake.between(&table, took),
+            seconds,
+            between: self.bake.between(&table),
         };
         warn(report.warnings());
         if !args.json {

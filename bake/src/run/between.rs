@@ -1,7 +1,5 @@
 //! Error of an exact table between its directions, as far as it was tried.
 
-use std::time::{Duration, Instant};
-
 use crate::run::bake::Bake;
 use crate::run::trial;
 use rayon::prelude::*;
@@ -11,8 +9,12 @@ use tables::cli::pool;
 /// Largest number of directions that are tried after a bake.
 const MOST_TRIED: usize = 64;
 
-/// Number of directions that are tried before the time is looked at.
-const AT_ONCE: usize = 8;
+/// Number of paths of a direction up to which so many directions are tried.
+///
+/// The paths of neighbouring directions are compared with each other, so that the time of a trial
+/// grows with the square of their number. With more paths fewer directions are tried, and none
+/// beyond 512 paths: the trials would take far longer than the bake.
+const FEW_PATHS: usize = 64;
 
 /// Largest error of an interpolated table among directions that were tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,12 +31,12 @@ pub(crate) struct Between {
 
 impl Bake<'_> {
     /// Returns the largest error of `table` between its directions, among those tried: by the
-    /// choice of directions, or else now, for about `time` at most.
+    /// choice of directions, or else now.
     ///
     /// The middles between neighbouring incidences and between neighbouring azimuths are tried
-    /// now, evenly spaced ones of more than [`MOST_TRIED`]. The time decides only how many of them.
-    /// Returns `None` if the table is not exact or has no polygons that can be interpolated.
-    pub(crate) fn between(&self, table: &Table, time: Duration) -> Option<Between> {
+    /// now, evenly spaced ones of more than [`MOST_TRIED`]. Returns `None` if the table is not
+    /// exact, or has no polygons or too many to be interpolated.
+    pub(crate) fn between(&self, table: &Table) -> Option<Between> {
         let exact = self.exact?;
         if self.chosen.is_some() {
             return self.chosen;
@@ -51,13 +53,10 @@ impl Bake<'_> {
         };
         let mut all = cross(&middles(incidences), azimuths);
         all.extend(cross(incidences, &middles(azimuths)));
-        let apart = all.len().div_ceil(MOST_TRIED).max(1);
-        let spread: Vec<[f64; 2]> = all.into_iter().step_by(apart).collect();
-        // Passes over all angles, each with wider steps than the next, so that an early end leaves
-        // no range of angles untried.
-        let passes = spread.len().div_ceil(AT_ONCE);
-        let order = (0..passes).flat_map(|first| spread.iter().skip(first).step_by(passes));
-        let order: Vec<[f64; 2]> = order.copied().collect();
+        let paths = table.exact.as_ref()?.paths.iter().map(Vec::len).max()?;
+        let most = MOST_TRIED * FEW_PATHS.pow(2) / paths.max(FEW_PATHS).pow(2);
+        let apart = all.len().div_ceil(most.max(1)).max(1);
+        let tried: Vec<[f64; 2]> = all.into_iter().step_by(apart).take(most).collect();
         let error = |&[incidence_deg, azimuth_deg]: &[f64; 2]| {
             let found = table.direction(incidence_deg, Some(azimuth_deg));
             let known = found.is_ok_and(|found| found.interpolated && found.paths.is_some());
@@ -68,24 +67,14 @@ impl Bake<'_> {
                 tried: 1,
             })
         };
-        let start = Instant::now();
         // Threads that cannot be started have ended the bake before.
         let pool = pool(self.plan.threads).ok()?;
-        let mut largest: Option<Between> = None;
-        for some in order.chunks(AT_ONCE) {
-            let found: Vec<Between> = pool.install(|| some.par_iter().filter_map(error).collect());
-            for own in found {
-                let tried = 1 + largest.map_or(0, |known| known.tried);
-                let worse = largest
-                    .filter(|known| known.error >= own.error)
-                    .unwrap_or(own);
-                largest = Some(Between { tried, ..worse });
-            }
-            if start.elapsed() >= time {
-                break;
-            }
-        }
-        largest
+        let found: Vec<Between> = pool.install(|| tried.par_iter().filter_map(error).collect());
+        let largest = found.iter().max_by(|a, b| a.error.total_cmp(&b.error))?;
+        Some(Between {
+            tried: found.len(),
+            ..*largest
+        })
     }
 }
 
@@ -120,7 +109,7 @@ mod tests {
             let plan = Plan::new(request).expect("a valid request");
             let bake = Bake::new(&prepared, &plan).expect("a bake");
             let table = bake.table(Watch::none()).expect("a table");
-            let between = bake.between(&table, Duration::ZERO);
+            let between = bake.between(&table);
             (table, between)
         };
         let mut found = Vec::new();
