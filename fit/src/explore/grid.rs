@@ -45,7 +45,20 @@ pub(crate) enum Error {
         /// Distances of the page, mm.
         distance_mm: [f64; 2],
     },
+    /// Table of so many polygons that a page would take many minutes.
+    #[error(
+        "the polygons of a direction of the table have {corners} corners, and pages take at most \
+        {MOST_CORNERS}; use fit render"
+    )]
+    ManyCorners {
+        /// Number of corners.
+        corners: usize,
+    },
 }
+
+/// Corners of the polygons of a direction, at most. Cells of one or two cubes have 10 to 60. The
+/// time of a page grows in proportion, to minutes.
+pub(crate) const MOST_CORNERS: usize = 512;
 
 /// Numbers of the page, at most, bytes. They take about a sixth of it when packed.
 const MOST_BYTES: usize = 32_000_000;

@@ -1,6 +1,6 @@
 //! Search for the coarsest grid that is fine enough.
 
-use crate::explore::grid::{Error, Grid, own_axes};
+use crate::explore::grid::{Error, Grid, MOST_CORNERS, own_axes};
 use crate::explore::lattice::{HIGHEST, sharpness};
 use crate::explore::mixed::{Misfit, Mixed, misfit};
 use crate::explore::scaling::Scaling;
@@ -10,6 +10,7 @@ use crate::images::Viewpoint;
 use crate::names::Kernel;
 use crate::predict::Fitted;
 use crate::result::{AtAngle, Number, Parameter, ResultFile};
+use tables::Path;
 
 /// Largest error of mixing that the search aims at.
 pub(crate) const WANTED: f64 = 0.01;
@@ -54,12 +55,22 @@ pub(crate) struct Found {
 /// `step` is told how many grids have been tried.
 ///
 /// # Errors
-/// Returns the errors of [`Grid::new`] for the first grid, and those of [`misfit`].
+/// Returns [`Error::ManyCorners`] if the table has too many polygons, the errors of [`Grid::new`]
+/// for the first grid, and those of [`misfit`].
 pub(crate) fn grid(
     sheet: &Fitted<'_>,
     span: &Span,
     step: &(dyn Fn(usize) + Sync),
 ) -> Result<Found, Error> {
+    let of = |paths: &Vec<Path>| paths.iter().map(|path| path.polygon.len()).sum();
+    let exact = sheet.table.exact.iter();
+    let corners: usize = exact
+        .flat_map(|exact| exact.paths.iter().map(of))
+        .max()
+        .unwrap_or(0);
+    if corners > MOST_CORNERS {
+        return Err(Error::ManyCorners { corners });
+    }
     let sharpest = scaled(sheet.result, span.factor[1]);
     let sharpest = Fitted {
         result: &sharpest,

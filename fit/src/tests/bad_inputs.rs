@@ -45,7 +45,7 @@ fn every_bad_file_is_refused_with_its_message() {
         .parse()
         .unwrap();
     let groups: [(&str, Refuse, usize); 3] = [
-        ("manifests", manifest_error, 31),
+        ("manifests", manifest_error, 32),
         ("images", image_error, 22),
         ("simulate", simulate_error, 4),
     ];

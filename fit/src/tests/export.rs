@@ -82,7 +82,7 @@ fn a_roughness_that_is_only_bounded_is_none() {
         });
         at(&result(&table, entries), &table, 150.0, 30.0)
     };
-    let (alone, tiny, both) = (front(bounded), front(json!(1e-12)), front(json!(5e-4)));
+    let (alone, tiny, both) = (front(bounded), front(json!(1e-9)), front(json!(5e-4)));
     assert!(
         (alone.alpha / tiny.alpha - 1.0).abs() < 1e-5,
         "{alone:?} {tiny:?}"

@@ -61,7 +61,7 @@ impl Manual {
         program.build();
         let verbs = program
             .get_subcommands()
-            .filter(|verb| verb.get_name() != "help");
+            .filter(|verb| verb.get_name() != "help" && !verb.is_hide_set());
         let mut outputs = Outputs::beside([]);
         let mut names = String::new();
         for page in std::iter::once(&program).chain(verbs) {

@@ -59,7 +59,6 @@ pub fn check(table: &Table) -> Result<(), Invalid> {
     axes(&table.axes)?;
     shapes(table)?;
     values(table)?;
-    method(table)?;
     if let (Some(bins), Some(fates)) = (&table.counts, &table.fate_counts) {
         counts(bins, fates, &table.rays)?;
     }
@@ -67,10 +66,10 @@ pub fn check(table: &Table) -> Result<(), Invalid> {
     if let Some(exact) = &table.exact {
         polygons(table, exact)?;
     }
-    match &table.deviations {
-        Some(found) => deviations(table, found),
-        None => Ok(()),
+    if let Some(found) = &table.deviations {
+        deviations(table, found)?;
     }
+    method(table)
 }
 
 /// Checks the axes alone, before anything of their size is allocated.

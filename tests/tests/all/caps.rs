@@ -361,26 +361,25 @@ fn tables_at_the_caps_cost_what_their_caps_say() {
         };
         (0..count).map(one).collect::<Vec<_>>()
     };
-    let mut of_paths = |count: usize| {
-        let mut table = honest.clone();
+    let mut of_paths = |mut table: tables::Table, count: usize| {
+        let azimuths = table.axes.azimuth_deg.len();
         let exact = table.exact.as_mut().unwrap();
         exact.entrance_area = 1.0;
         for (direction, paths) in exact.paths.iter_mut().enumerate() {
             *paths = triangles(count);
             let eta: f64 = paths.iter().map(tables::Path::area).sum();
-            let at = [direction, 0];
+            let at = [direction / azimuths, direction % azimuths];
             table.retroreflected[at] = eta;
-            let mut fate = table.fate.slice_mut(ndarray::s![direction, 0, ..]);
+            let mut fate = table.fate.slice_mut(ndarray::s![at[0], at[1], ..]);
             fate.fill(0.0);
             fate[Fate::Retroreflected as usize] = eta;
             fate[Fate::Missed as usize] = 1.0 - eta;
         }
         table
     };
-    let paths = of_paths(1 << 15);
-    let pieces = of_paths(340);
-    let mut directions = honest.part(&[0; 1000], &[0; 100]);
-    directions.exact = None;
+    let paths = of_paths(honest.clone(), 1 << 15);
+    let pieces = of_paths(honest.clone(), 340);
+    let mut directions = of_paths(honest.part(&[0; 1000], &[0; 100]), 1);
     directions.axes.incidence_deg = (0..1000).map(|k| f64::from(k) * 0.08).collect();
     directions.axes.azimuth_deg = (0..100).map(|k| f64::from(k) * 3.6).collect();
     let hand = ["--c", "0.2", "--half-mirror", "0.25", "--mu", "0.5"];
@@ -655,8 +654,9 @@ fn control_characters_reach_no_terminal() {
         from.options = line.into();
         let file = format!("named{k}.h5");
         tables::write(&table, &here.join(&file)).unwrap();
-        for words in [&["inspect", &file][..], &["verify", &file]] {
-            runs(&[&["bake"], words].concat(), Some(0));
+        // Options of a name that no bake knows are refused.
+        for (verb, code) in [("inspect", 0), ("verify", 1)] {
+            runs(&["bake", verb, &file], Some(code));
         }
         runs(&["bake", "verify", &file, "--mesh", "cell.obj"], None);
         fs::write(here.join("photographs").join(format!("{line}.png")), "none").unwrap();

@@ -168,12 +168,13 @@ fn images(here: &Path) {
             .concat()
     };
     let beams = light("beams.exr");
+    let peak = f64::from(beams.iter().copied().fold(0.0, f32::max));
     let psnr = |image: &str| {
         let squares = beams
             .iter()
             .zip(light(image))
             .map(|(a, b)| f64::from(a - b).powi(2));
-        -10.0 * (squares.sum::<f64>() / beams.len() as f64).log10()
+        -10.0 * (squares.sum::<f64>() / beams.len() as f64 / peak.powi(2)).log10()
     };
     let [rays, straight] = ["rays.exr", "straight.exr"].map(psnr);
     println!(
@@ -260,10 +261,11 @@ fn coarse_bins_are_said_where_they_matter() {
     bake(here, &Vec::from_iter(design.split(' '))).done();
     for (file, deviations) in [("fine.h5", ""), ("coarse.h5", " --deviations 26")] {
         let trace = format!(
-            "trace curved.obj -o {file} --normals file --refractive-index 1.49 --incidence 0 \
-            --azimuth 30 --rays 262144{deviations}"
+            "trace curved.obj -o {file} --normals file --method rays --refractive-index 1.49 \
+            --incidence 0 --azimuth 30 --rays 262144{deviations}"
         );
-        bake(here, &Vec::from_iter(trace.split(' '))).done();
+        let run = bake(here, &Vec::from_iter(trace.split(' ')));
+        assert_eq!(run.code, Some(0), "{}", run.err);
     }
     // MTFs along both axes at a distance, and the warning about bins.
     let seen = |file: &str, r_mm: f64| {

@@ -13,7 +13,7 @@ fn an_unexpected_table_is_refused() {
     let table = bake_table_with(here, "triangular-pair", "0:45:5", "30", &["--bins", "16"]);
     let hash = tables::read(&here.join(&table)).unwrap().content_hash();
     let (capital, other) = (hash.to_uppercase(), "0".repeat(64));
-    let photographs = argument("tests/captures/public_per_angle");
+    let photographs = argument("tests/captures/public_shared");
     let plain = fs::read_to_string(format!("{photographs}/captures.toml")).unwrap();
     let plain = plain.replace("image = \"", &format!("image = \"{photographs}/"));
     for (name, key) in [

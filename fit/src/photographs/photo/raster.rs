@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
+use flate2::read::ZlibDecoder;
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
@@ -178,7 +179,7 @@ fn unpacked(path: &Path, reader: BufReader<File>, format: Format) -> Result<Open
     limits.max_alloc = Some(MAX_BYTES);
     decoder.set_limits(limits).map_err(broken)?;
     let orientation = decoder.orientation().map_err(broken)?;
-    let whole = whole(path, format)?;
+    let whole = whole(path, format, decoder.total_bytes())?;
     if whole.is_cmyk {
         return Err(Error::Cmyk {
             file: path.to_owned(),
@@ -240,17 +241,16 @@ fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
 }
 
 /// Refuses a JPEG that is not whole, and a PNG whose pixels do not agree with their Adler-32, which
-/// the decoder of the crate image passes over.
-fn whole(path: &Path, format: Format) -> Result<Whole, Error> {
+/// the decoder of the crate image passes over. `pixels` is the length of the picture, bytes.
+fn whole(path: &Path, format: Format, pixels: u64) -> Result<Whole, Error> {
     let io = |source| Error::Io {
         file: path.to_owned(),
         source,
     };
     let checked = match format {
         Format::Jpeg => jpeg::check(&bytes_of(path).map_err(io)?),
-        Format::Png => agrees(BufReader::new(open(path).map_err(io)?))
-            .map(|()| Whole::default())
-            .map_err(|_| "its packed pixels do not agree with their checksum".into()),
+        Format::Png if agrees(&bytes_of(path).map_err(io)?, pixels) => Ok(Whole::default()),
+        Format::Png => Err("its packed pixels do not agree with their checksum".into()),
         _ => return Ok(Whole::default()),
     };
     checked.map_err(|reason| Error::CutShort {
@@ -259,13 +259,22 @@ fn whole(path: &Path, format: Format) -> Result<Whole, Error> {
     })
 }
 
-/// Reads all rows of a PNG and the checksum of its pixels.
-fn agrees(file: BufReader<File>) -> Result<(), png::DecodingError> {
-    let mut options = png::DecodeOptions::default();
-    options.set_ignore_adler32(false);
-    let mut rows = png::Decoder::new_with_options(file, options).read_info()?;
-    while rows.next_row()?.is_some() {}
-    rows.finish()
+/// Returns whether the packed pixels of a PNG, `pixels` bytes as they are shown, unpack to their
+/// checksum.
+fn agrees(png: &[u8], pixels: u64) -> bool {
+    let (mut packed, mut rest) = (Vec::new(), png.get(8..).unwrap_or_default());
+    while let Some((&[a, b, c, d, ref kind @ ..], behind)) = rest.split_first_chunk::<8>() {
+        let length = u32::from_be_bytes([a, b, c, d]) as usize;
+        let data = behind.get(..length).unwrap_or(behind);
+        if kind == b"IDAT" {
+            packed.extend_from_slice(data);
+        }
+        rest = behind.get(length + 4..).unwrap_or_default();
+    }
+    // A row begins with its filter, and interlaced pictures have more rows.
+    let most = 2 * pixels + (1 << 20);
+    let mut unpacked = ZlibDecoder::new(&packed[..]).take(most);
+    std::io::copy(&mut unpacked, &mut std::io::sink()).is_ok()
 }
 
 /// Computes the plane from the picture, and adds warnings about what was assumed.
