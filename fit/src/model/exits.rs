@@ -13,13 +13,14 @@ const MOST_LOST: f64 = 0.01;
 
 /// Step and number of the products of frequency, distance and width of a bin, cycles, at which the
 /// loss is looked for.
-const STEPS: (f64, usize) = (0.02, 25);
+const STEPS: (f64, usize) = (0.02, 50);
 
 /// Bins of exit directions of a table.
 ///
 /// A deviation is known to a bin of width w only. So at the frequency f and the distance R the MTF
 /// of a smooth lobe is sinc(f R w) of the true one. Where all light lies in a bin or two, the true
-/// one is about as much lower as it may be spread within them.
+/// one is about as much lower as it may be spread within them. From half a cycle for each bin on,
+/// the bins are a grating: the MTF rises again to a peak at one cycle, and none of it may be true.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ExitBins<'t>(&'t Deviations);
 
@@ -37,7 +38,12 @@ impl ExitBins<'_> {
         (1..=count)
             .map(|k| {
                 let x = step * k as f64;
-                mtf(x * per_mm) * (1.0 / sinc(PI * x) - 1.0)
+                let lost = if x > 0.5 {
+                    1.0
+                } else {
+                    1.0 / sinc(PI * x) - 1.0
+                };
+                mtf(x * per_mm) * lost
             })
             .fold(0.0, f64::max)
     }
