@@ -164,7 +164,7 @@ pub fn claims(
         false => {}
     }
     let vectors = |lattice: &Option<[[f64; 2]; 2]>| lattice.map(|rows| rows.concat());
-    let [stated, own_lattice] = [lattice, &own.lattice].map(|lattice| vectors(lattice));
+    let [stated, own_lattice] = [lattice, &own.lattice].map(vectors);
     found.near(
         "lattice",
         &stated.unwrap_or_default(),

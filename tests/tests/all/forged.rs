@@ -317,7 +317,7 @@ fn judged(here: &Path, table: &str, mesh: &str, more: &[&str]) -> (Option<i32>, 
     let words = ["verify", table, "--mesh", mesh, "--rays", "65536", "--json"];
     let run = bake(here, &[&words[..], more].concat());
     let said = serde_json::from_str(&run.out);
-    let said = said.unwrap_or_else(|_| serde_json::Value::String(run.err));
+    let said = said.unwrap_or(serde_json::Value::String(run.err));
     (run.code, said)
 }
 
