@@ -8,7 +8,6 @@ mod by_hand;
 #[cfg(all(feature = "images", feature = "report"))]
 pub mod calls;
 mod estimate;
-#[cfg(feature = "images")]
 mod expected;
 #[cfg(all(feature = "images", feature = "report"))]
 mod explore;

@@ -27,7 +27,6 @@ mod forward;
 mod jpeg;
 mod known;
 mod lamps;
-#[cfg(feature = "images")]
 mod mirror;
 mod noise;
 mod nominal;
