@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
@@ -12,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from airr._errors import Error, warn
-from airr._picture import Picture, is_file, picture, planes
+from airr._picture import Picture, picture, planes
 from airr._words import File
 
 EXTRA = 'pip install "airr[evaluate]"'
@@ -115,7 +116,7 @@ def _shown(
     one: Picture | File, name: str, exposure: float, transfer: str | None
 ) -> npt.NDArray[np.float32]:
     """Return what a display shows of a picture: sRGB values, shape (rows, columns, 3)."""
-    light = picture(one, transfer) if is_file(one) else one
+    light = picture(one, transfer) if isinstance(one, (str, os.PathLike)) else one
     _, colours, _ = planes(light, name)
     light = np.clip(exposure * np.moveaxis(colours, 0, -1), 0.0, 1.0)
     light = np.broadcast_to(light, (*light.shape[:2], 3))
