@@ -4,7 +4,7 @@
 
 .SUFFIXES:
 .NOTPARALLEL:
-.PHONY: all build install demo manual deny msrv table1 wheel fmt lint doc bench tools python rust \
+.PHONY: all build install demo manual deny msrv table1 wheel bench-report fmt lint doc bench tools python rust \
 	clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx \
 	test-metrics test-python test-fuzz
 
@@ -28,14 +28,20 @@ all: build
 build install demo wheel: export AIRR_COMMIT := $(shell git rev-parse --short HEAD 2>/dev/null)
 
 build: tools
-	@$(CARGO) build --release --locked -p bake -p fit -p reader
+	@test -x $(BIN)/fit || echo "building bake and fit: some 4 minutes on 2 cores" >&2
+	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit -p reader
 
-# With the cmake that HDF5 wants, which a plain `cargo install` takes from PATH or from the variable
-# CMAKE.
-install: tools
-	@$(CARGO) install --locked --path bake
-	@$(CARGO) install --locked --path fit
-	@$(CARGO) install --locked --path reader
+# What `build` made, copied to where cargo puts programs: nothing is compiled twice.
+install: build
+	@mkdir -p "$(PROGRAMS)"
+	@for program in bake fit airr-reader; do \
+		install -m 755 "$(BIN)/$$program" "$(PROGRAMS)/$$program" || exit 1; done
+	@echo "installed bake, fit and airr-reader in $(PROGRAMS)" >&2
+PROGRAMS = $(or $(CARGO_INSTALL_ROOT),$(CARGO_HOME),$(HOME)/.cargo)/bin
+TARGET = $(or $(CARGO_TARGET_DIR),target)
+BIN = $(TARGET)/release
+# Progress goes to a terminal only; a pipe gets results.
+QUIET = $$(test -t 1 || echo --quiet)
 
 # ---- What a fresh machine lacks. Each step looks before it acts: no network once it is there, and
 # an interrupted or moved set-up is done again.
@@ -84,7 +90,7 @@ test: fmt lint doc python
 	@AIRR_SKIPPED="$(SKIPPED)" AIRR_PYTHON="$(VENV)/bin/python" \
 		$(CARGO) test --workspace --locked
 	@sort "$(SKIPPED)" 2>/dev/null | uniq -c | sed 's/^ */skipped tests: /' || true
-SKIPPED = $(CURDIR)/target/skipped
+SKIPPED = $(abspath $(TARGET))/skipped
 
 # The long parts that need nothing more than `test` does: `.ci/run` runs one of them after it.
 PARTS = test-statistics test-slowest test-package test-kills
@@ -183,7 +189,9 @@ metrics = { test -x .tools/metrics/bin/python || $(PYTHON) -m venv .tools/metric
 # ---- The Python package: a wheel with the module and the programs, which `pip install` puts where
 # there is neither Rust nor HDF5.
 
+# The module takes what `build` compiled.
 wheel: tools
+	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit -p reader -p airr
 	@rm -rf dist && $(call wheel_into,dist)
 
 # $(1): a folder.
@@ -258,6 +266,10 @@ mutants: tools
 	@CARGO_TARGET_DIR="$(CURDIR)/target/mutants" $(CARGO) mutants --shard $(or $(SHARD),0)/2800 \
 		--sharding round-robin --baseline skip --timeout 240 --output target
 
+# The headline figures of this machine, some 15 minutes. PAGE: where they are written.
+bench-report: build python
+	@"$(VENV)/bin/python" tests/bench_report.py $(BIN) -o $(or $(PAGE),doc/measured.md)
+
 bench: tools
 	@if ls */benches/*.rs >/dev/null 2>&1; then $(CARGO) bench --workspace --locked --bench '*'; \
 		else echo "bench: no package has a benches/ folder yet"; fi
@@ -269,16 +281,11 @@ table1: build wheel
 	@$(call metrics)
 	@.tools/metrics/bin/python tests/table1.py $(BIN) fit/doc/table1
 
-# ---- From a mesh and photographs to a, c and mu. Progress goes to a terminal only; a pipe gets
-# results.
+# ---- From a mesh and photographs to a, c and mu.
 
-BIN = target/release
 CAMPAIGN = tests/captures/public_per_angle
-QUIET = $$(test -t 1 || echo --quiet)
 
-demo: tools
-	@echo "demo: building bake and fit; the first time takes some 5 minutes on 2 cores" >&2
-	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit -p reader
+demo: build
 	@mkdir -p demo
 	@echo "demo: a cell, its ray-shift table, and the estimate from" \
 		"$(words $(wildcard $(CAMPAIGN)/aerial_*.exr)) photographs" >&2
