@@ -6,7 +6,7 @@ use tables::Table;
 
 use crate::cli::failure::{Asked, Failure};
 use crate::photographs::Campaign;
-use crate::photographs::captures::expected::ExpectedTable;
+use crate::photographs::captures::ExpectedTable;
 use crate::photographs::captures::{self, Manifest};
 
 /// Hash that a table must have, if the user named one.

@@ -54,7 +54,7 @@ impl fmt::Display for Asked {
 pub(crate) enum Failure {
     /// Fault of the manifest.
     #[error(transparent)]
-    Captures(#[from] captures::error::Error),
+    Captures(#[from] captures::Error),
     /// Fault of a photograph.
     #[error(transparent)]
     Photo(#[from] photo::error::Error),

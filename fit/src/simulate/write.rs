@@ -44,7 +44,7 @@ pub(crate) struct Report {
 /// # Errors
 /// Returns [`Error::NotEmpty`] if the folder holds anything and `force` is not set,
 /// [`Error::Write`] or [`Error::WriteExr`] if a file or folder cannot be written, and
-/// [`Error::NoEntry`] or [`Error::Unplanted`] for parameters built in code that cannot be
+/// [`Error::Params`] or [`Error::Unplanted`] for parameters built in code that cannot be
 /// simulated.
 pub(crate) fn run(params: &Params, folder: &Path, force: bool) -> Result<Report, Error> {
     let cannot = |file: &Path| {
@@ -263,8 +263,8 @@ fn truth(params: &Params) -> String {
                 "edge_normal_deg": shot.edge.normal_deg,
                 "offset_px": shot.edge.offset_px,
                 "exposure": shot.edge.exposure,
-                "light_to_right": shot.edge.light[0],
-                "light_to_bottom": shot.edge.light[1],
+                "light_to_right": shot.edge.light_to_right,
+                "light_to_bottom": shot.edge.light_to_bottom,
                 "vignetting": shot.edge.vignetting,
                 "bow_px": shot.edge.bow_px,
                 "ripple_px": shot.edge.ripple_px,

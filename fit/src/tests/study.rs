@@ -106,7 +106,7 @@ fn uneven_light_is_drawn_and_the_pixels_mu_holds() {
                 params
                     .captures
                     .iter()
-                    .all(|shot| shot.edge.light != [0.0; 2])
+                    .all(|shot| shot.edge.light_to_right != 0.0)
             );
             let trial = trial::run(&params, index, &table).expect("the edges are visible");
             trial
