@@ -3,8 +3,12 @@
 //! No length in mm, angle, factor or count of this field is beyond the bounds, and sums and
 //! products of such numbers stay finite. The message of an error follows the name of the key.
 
+use std::fmt;
+use std::marker::PhantomData;
+
 use serde::Deserialize;
-use serde::de::{Deserializer, Error};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use toml::Value;
 
 use crate::names::Spectrum;
@@ -62,6 +66,34 @@ impl Bounds {
     }
 }
 
+/// A table of keys. Without this wrapper serde would read its struct from an array too.
+pub(crate) struct Table<T>(pub T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Table<T> {
+    fn deserialize<D: Deserializer<'de>>(value: D) -> Result<Table<T>, D::Error> {
+        struct Keys<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Keys<T> {
+            type Value = T;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a table")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, keys: A) -> Result<T, A::Error> {
+                T::deserialize(MapAccessDeserializer::new(keys))
+            }
+        }
+        value.deserialize_map(Keys(PhantomData)).map(Table)
+    }
+}
+
+/// Reads a table of keys.
+pub(crate) fn table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    value: D,
+) -> Result<T, D::Error> {
+    Table::deserialize(value).map(|table| table.0)
+}
+
 /// A value whose numbers all meet the same condition.
 pub(crate) trait Bounded: Sized {
     /// Reads and checks the value.
@@ -100,7 +132,7 @@ impl Bounded for [f64; 2] {
             from: f64,
             to: f64,
         }
-        let Ends { from, to } = Ends::deserialize(value)?;
+        let Ends { from, to } = table(value)?;
         if bounds.checked::<D::Error>(from)? <= bounds.checked::<D::Error>(to)? {
             return Ok([from, to]);
         }

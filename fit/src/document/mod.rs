@@ -8,7 +8,7 @@ mod bounds;
 mod file;
 mod text;
 
-pub(crate) use bounds::{Bounded, Bounds, readers};
+pub(crate) use bounds::{Bounded, Bounds, Table, readers, table};
 pub(crate) use bounds::{choice, choices, finite, incidence, not_negative, positive};
 pub(crate) use bounds::{share, spectrum, turn};
 pub(crate) use file::{open, read};

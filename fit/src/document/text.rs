@@ -145,7 +145,8 @@ impl Document {
             "duplicate field " => place.error(format!(
                 "`{found} is given twice in {table}, once by its old name; remove one of them"
             )),
-            "invalid type" | "invalid value" => {
+            "invalid value" => place.error(format!("`{key}` is too large; correct the value")),
+            "invalid type" => {
                 let found = [
                     ("string", "a string"),
                     ("integer", "a whole number"),
@@ -165,7 +166,6 @@ impl Document {
                         "one or more tables under a heading in double brackets"
                     }
                     "a sequence" => "an array",
-                    other if other.starts_with("struct ") => "a table",
                     other => other,
                 };
                 place.error(format!(

@@ -12,7 +12,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error as _};
 use toml::Spanned;
 
-use crate::document::{self, Document, FileLine};
+use crate::document::{self, Document, FileLine, Table};
 use crate::document::{choice, choices, incidence, positive, share, spectrum, turn};
 use crate::names::Spectrum;
 use crate::photographs::edge::accepted::Accepted;
@@ -283,10 +283,10 @@ pub(crate) fn held(
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Tables {
-    setup: SetupTable,
-    reference: Option<ShotTable>,
+    setup: Table<SetupTable>,
+    reference: Option<Table<ShotTable>>,
     #[serde(default)]
-    capture: Vec<Spanned<CaptureTable>>,
+    capture: Vec<Spanned<Table<CaptureTable>>>,
 }
 
 #[derive(Deserialize)]
@@ -408,7 +408,7 @@ fn of_document(
     is_there: &dyn Fn(&Path) -> bool,
 ) -> Result<Manifest, Error> {
     let Tables {
-        setup: shared,
+        setup: Table(shared),
         reference,
         capture,
     } = document.parse()?;
@@ -437,7 +437,7 @@ fn of_document(
             place,
         })
     };
-    let reference = reference.map(&shot).transpose()?;
+    let reference = reference.map(|table| shot(table.0)).transpose()?;
     if reference.is_none() {
         warnings.push(format!(
             "{} has no [reference]: the blur of the lens is assumed, and mu cannot be found; \
@@ -449,7 +449,7 @@ fn of_document(
     let mut source = None;
     for table in capture {
         let place = document.place(table.span());
-        let table = table.into_inner();
+        let Table(table) = table.into_inner();
         let given = table.exposure;
         let mut capture = Capture {
             floating_distance_mm: table.floating_distance_mm,

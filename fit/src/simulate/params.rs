@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, IgnoredAny};
+use serde::{Deserialize, Serialize, Serializer};
 use toml::{Spanned, Value};
 
-use crate::document::{Bounded, Bounds, Document, FileLine, readers};
+use crate::document::{Bounded, Bounds, Document, FileLine, Table, readers, table};
 use crate::document::{choice, finite, incidence, not_negative, positive, share, spectrum, turn};
 use crate::names::{Kernel, LobeShape, Spectrum};
 use crate::simulate::cell::CubeShift;
@@ -30,7 +30,7 @@ readers! {
 }
 
 /// The camera, and the light that reaches it.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlantedCamera {
     /// Number of columns.
@@ -103,14 +103,28 @@ impl ByIncidence {
     }
 }
 
+impl Serialize for ByIncidence {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            ByIncidence::Shared(value) => serializer.serialize_f64(*value),
+            ByIncidence::Table(entries) => serializer.collect_map(
+                entries
+                    .iter()
+                    .map(|(angle, value)| (angle.to_string(), value)),
+            ),
+        }
+    }
+}
+
 /// The sheet that is photographed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlantedSheet {
     /// Blur terms of the sheet.
     pub kernel: Kernel,
     /// Shape of the lobe.
     pub lobe: LobeShape,
     /// Wavelengths of the source. The kernel `wave` needs them.
+    #[serde(rename = "wavelength_nm")]
     pub spectrum: Option<Spectrum>,
     /// Refractive index behind the flat front face; 1 for hollow cubes.
     pub refractive_index: f64,
@@ -119,13 +133,14 @@ pub struct PlantedSheet {
     /// Diffraction spread: a in 1/mm, for `angular` A = a R without unit.
     pub a: ByIncidence,
     /// Corner size, mm.
+    #[serde(rename = "c")]
     pub c_mm: f64,
     /// Reflectance mu.
     pub mu: ByIncidence,
 }
 
 /// The edge in one photograph.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default = "source_edge", deny_unknown_fields)]
 pub struct PlantedEdge {
     /// Direction from dark to bright in the photograph, degrees from +x towards +y.
@@ -180,9 +195,10 @@ impl PlantedEdge {
 }
 
 /// One photograph of the mid-air edge.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlantedShot {
     /// The edge in the photograph.
+    #[serde(flatten)]
     pub edge: PlantedEdge,
     /// Floating distance, mm.
     pub floating_distance_mm: f64,
@@ -196,6 +212,7 @@ pub struct PlantedShot {
     pub tangential_axis_deg: f64,
     /// Shifts by polygon, each with its share of the arriving light, if a table gives them
     /// ([`Params::of_sheet`]). With `None` they are those of the ideal cube in closed form.
+    #[serde(skip)]
     pub shifts: Option<Vec<CubeShift>>,
 }
 
@@ -225,12 +242,12 @@ impl Params {
         let document = Document::read(file)?;
         let tables: Tables = document.parse()?;
         let part = tables.truth.span();
-        let truth = tables.truth.into_inner().checked();
+        let truth = tables.truth.into_inner().0.checked();
         let truth = truth.map_err(|key| document.missing(part, key, "[truth]"))?;
         let mut captures = Vec::new();
         for table in tables.capture {
             let place = document.place(table.span());
-            let shot = PlantedShot::from(table.into_inner());
+            let shot = PlantedShot::from(table.into_inner().0);
             for (key, values) in [("a", &truth.a), ("mu", &truth.mu)] {
                 if values.at(shot.incidence_deg).is_none() {
                     return Err(no_entry(place, key, shot.incidence_deg));
@@ -267,13 +284,13 @@ struct Tables {
     seed: u64,
     #[serde(default, rename = "tag")]
     _tag: IgnoredAny,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "table")]
     camera: PlantedCamera,
-    truth: Spanned<TruthTable>,
-    #[serde(default = "source_edge")]
+    truth: Spanned<Table<TruthTable>>,
+    #[serde(default = "source_edge", deserialize_with = "table")]
     reference: PlantedEdge,
     #[serde(default)]
-    capture: Vec<Spanned<CaptureTable>>,
+    capture: Vec<Spanned<Table<CaptureTable>>>,
 }
 
 #[derive(Deserialize)]

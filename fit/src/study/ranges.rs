@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Deserializer};
 use tables::Table;
 
-use crate::document::{Bounds, Document, readers};
+use crate::document::{Bounds, Document, readers, table};
 use crate::document::{choice, choices, positive, share, spectrum};
 use crate::names::{Kernel, LobeShape, Spectrum};
 use crate::simulate::Error;
@@ -102,6 +102,7 @@ pub struct Ranges {
     #[serde(deserialize_with = "positive")]
     pub mu_fall: [f64; 2],
     /// Camera, except for its full well, which is drawn.
+    #[serde(deserialize_with = "table")]
     pub camera: PlantedCamera,
 }
 

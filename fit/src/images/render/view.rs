@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::document::{self, Bounds, Document, not_negative, positive};
+use crate::document::{self, Bounds, Document, Table, not_negative, positive};
 use crate::images::spot::Viewpoint;
 
 /// Sine of the incidence below which the azimuth is not defined.
@@ -116,9 +116,9 @@ impl CameraView {
     pub(crate) fn load(file: &Path) -> Result<CameraView, document::Error> {
         let document = Document::read(file)?;
         let Tables {
-            camera,
-            image,
-            sheet,
+            camera: Table(camera),
+            image: Table(image),
+            sheet: Table(sheet),
             ambient,
             coating,
         } = document.parse()?;
@@ -143,8 +143,8 @@ impl CameraView {
             normal,
             first_edge: direction("first_edge", &sheet.first_edge, Some(&normal))?,
             handedness: if sheet.seen_in_mirror { -1.0 } else { 1.0 },
-            ambient: ambient.map_or(0.0, |ambient| ambient.luminance),
-            coating: coating.map(|coating| coating.refractive_index),
+            ambient: ambient.map_or(0.0, |table| table.0.luminance),
+            coating: coating.map(|table| table.0.refractive_index),
         })
     }
 
@@ -255,11 +255,11 @@ pub(crate) fn fresnel(index: f64, incidence_deg: f64) -> f64 {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Tables {
-    camera: CameraTable,
-    image: ImageTable,
-    sheet: SheetTable,
-    ambient: Option<AmbientTable>,
-    coating: Option<CoatingTable>,
+    camera: Table<CameraTable>,
+    image: Table<ImageTable>,
+    sheet: Table<SheetTable>,
+    ambient: Option<Table<AmbientTable>>,
+    coating: Option<Table<CoatingTable>>,
 }
 
 #[derive(Deserialize)]
