@@ -127,7 +127,11 @@ impl Document {
         };
         let said = error.message();
         let (fault, expected) = said.rsplit_once(", expected ").unwrap_or((said, ""));
-        let (kind, found) = fault.split_once([':', '`']).unwrap_or((fault, ""));
+        let (kind, found) = match fault.split_once([':', '`']) {
+            Some(("invalid type", found)) if found.ends_with("128") => ("invalid value", found),
+            Some(parts) => parts,
+            None => (fault, ""),
+        };
         let place = self.place(part.clone());
         match kind {
             "unknown field " => {
@@ -141,11 +145,19 @@ impl Document {
                 ))
             }
             "missing field " => self.missing(part, found.trim_end_matches('`'), &table),
-            // TOML has no duplicate keys, so one of the two is an alias.
-            "duplicate field " => place.error(format!(
-                "`{found} is given twice in {table}, once by its old name; remove one of them"
-            )),
-            "invalid value" => place.error(format!("`{key}` is too large; correct the value")),
+            // TOML has no duplicate keys, so one of the two is an alias. The part is the table.
+            "duplicate field " => {
+                let name = found.trim_end_matches('`');
+                let at = self.text[part.start..].find(&format!("\n{name}"));
+                let start = at.map_or(part.start, |at| part.start + at + 1);
+                self.place(start..start).error(format!(
+                    "`{name}` is given twice in {table}, once by its old name; remove one of them"
+                ))
+            }
+            // Integers beyond 64 bits; the words depend on the type that is read.
+            "integer number overflowed" | "u64 value was too large" | "invalid value" => {
+                place.error(format!("`{key}` is too large; correct the value"))
+            }
             "invalid type" => {
                 let found = [
                     ("string", "a string"),
@@ -163,7 +175,7 @@ impl Document {
                     "i64" => "a whole number",
                     "a boolean" => "true or false",
                     "a sequence" if found == "a table" => {
-                        "one or more tables under a heading in double brackets"
+                        &format!("an array, in brackets or as tables under [[{key}]]")
                     }
                     "a sequence" => "an array",
                     other => other,

@@ -377,10 +377,11 @@ impl TryFrom<String> for Hash {
 }
 
 fn roi<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Roi>, D::Error> {
-    let numbers = Vec::<i64>::deserialize(value)?;
-    let numbers: Result<Vec<usize>, _> = numbers.into_iter().map(usize::try_from).collect();
+    let numbers = Vec::<toml::Value>::deserialize(value)?;
+    let whole = |number: &toml::Value| usize::try_from(number.as_integer()?).ok();
+    let numbers: Option<Vec<usize>> = numbers.iter().map(whole).collect();
     match numbers.as_deref() {
-        Ok(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Some(Roi {
+        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Some(Roi {
             x,
             y,
             width,

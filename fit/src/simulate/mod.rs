@@ -22,6 +22,7 @@ pub(crate) mod write;
 pub(crate) use error::Error;
 pub(crate) use noise::PixelNoise;
 pub use params::Params;
+pub(crate) use params::lobe;
 pub(crate) use params::{ByIncidence, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot};
 pub(crate) use truth::Truth;
 #[cfg(test)]

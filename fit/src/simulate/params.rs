@@ -14,7 +14,7 @@ use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
 
 readers! {
-    seed = Bounds::new("0 or greater", |x| x >= 0.0);
+    seed = Bounds::new("a whole number, 0 or greater", |x| x >= 0.0);
     index = Bounds::new("at least 1", |x| x >= 1.0);
     size = Bounds::new("between 8 and 20000", |x| (8.0..=20_000.0).contains(&x));
     lens = Bounds::new("between 0.1 and 100", |x| (0.1..=100.0).contains(&x));
@@ -430,7 +430,7 @@ fn kernel<'de, D: Deserializer<'de>>(value: D) -> Result<Kernel, D::Error> {
     choice(value, &Kernel::NAMES, Kernel::from_name)
 }
 
-fn lobe<'de, D: Deserializer<'de>>(value: D) -> Result<LobeShape, D::Error> {
+pub(crate) fn lobe<'de, D: Deserializer<'de>>(value: D) -> Result<LobeShape, D::Error> {
     choice(value, &LobeShape::NAMES, LobeShape::from_name)
 }
 

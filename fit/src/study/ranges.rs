@@ -7,11 +7,12 @@ use serde::{Deserialize, Deserializer};
 use tables::Table;
 
 use crate::document::{Bounds, Document, readers, table};
-use crate::document::{choice, choices, positive, share, spectrum};
+use crate::document::{choices, positive, share, spectrum};
 use crate::names::{Kernel, LobeShape, Spectrum};
 use crate::simulate::Error;
 use crate::simulate::PixelNoise;
 use crate::simulate::cell;
+use crate::simulate::lobe;
 use crate::simulate::{ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot};
 
 /// Bright plateau of each mid-air photograph, where full scale is 1.
@@ -314,8 +315,4 @@ fn log(draw: &mut PixelNoise, [low, high]: [f64; 2]) -> f64 {
 
 fn kernels<'de, D: Deserializer<'de>>(value: D) -> Result<Vec<Kernel>, D::Error> {
     choices(value, &Kernel::NAMES, Kernel::from_name)
-}
-
-fn lobe<'de, D: Deserializer<'de>>(value: D) -> Result<LobeShape, D::Error> {
-    choice(value, &LobeShape::NAMES, LobeShape::from_name)
 }

@@ -201,7 +201,16 @@ fn ranges_are_read() {
             "ior = 1.5\nc_mm = { from = 0.5, to = 0.05 }\n",
             ":2: `c_mm` goes from 0.5 to 0.05",
         ),
-        ("mu = { from = 0.2 }\n", "to"),
+        ("mu = { from = 0.2 }\n", ":1: `to` is missing"),
+        (
+            "mu = [0.2, 0.4]\n",
+            ":1: `mu` must be a table, not an array",
+        ),
+        ("camera = [192, 128]\n", ":1: `camera` must be a table"),
+        (
+            "pair = true\nior = 1.5\nrefractive_index = 1.5\n",
+            ":3: `refractive_index` is given twice",
+        ),
         ("electron = { from = 1, to = 2 }\n", "electrons"),
         ("photographs = { from = 0, to = 3 }\n", "between 1 and 1000"),
         ("kernels = [\"eq2\"]\n", "use one of eq1"),
@@ -214,5 +223,5 @@ fn ranges_are_read() {
         assert!(error.contains(said), "{error}");
         cases += 1;
     }
-    assert_eq!(cases, 7);
+    assert_eq!(cases, 10);
 }

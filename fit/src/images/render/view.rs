@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::document::{self, Bounds, Document, Table, not_negative, positive};
+use crate::document::{self, Bounds, Document, FileLine, Table, not_negative, positive};
 use crate::images::spot::Viewpoint;
 
 /// Sine of the incidence below which the azimuth is not defined.
@@ -70,41 +70,6 @@ pub(crate) struct Seen {
     ///
     /// It is `None` if the reflected ray misses the plane of the image.
     pub mirrored: Option<[f64; 2]>,
-}
-
-/// Reason why a pixel does not show the sheet.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub(crate) enum Error {
-    /// Camera that is behind the sheet.
-    #[error("{}: the camera sees the back of the sheet at pixel ({column:.0}, {row:.0}); turn \
-        `normal` of [sheet] towards the camera", file.display())]
-    Back {
-        /// View file.
-        file: PathBuf,
-        /// Column of the pixel, from the middle of the picture.
-        column: f64,
-        /// Row of the pixel, from the middle of the picture.
-        row: f64,
-    },
-    /// Sheet in front of the image.
-    #[error("{}: at pixel ({column:.0}, {row:.0}) the sheet is not behind the image; move \
-        `position_mm` of [sheet] away from the camera", file.display())]
-    Before {
-        /// View file.
-        file: PathBuf,
-        /// Column of the pixel, from the middle of the picture.
-        column: f64,
-        /// Row of the pixel, from the middle of the picture.
-        row: f64,
-    },
-    /// Camera in the plane of the image.
-    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] in front \
-        of the image", file.display())]
-    Edge {
-        /// View file.
-        file: PathBuf,
-    },
 }
 
 impl CameraView {
@@ -162,34 +127,38 @@ impl CameraView {
     /// picture.
     ///
     /// # Errors
-    /// Returns [`Error::Edge`] if the camera lies in the plane of the image, [`Error::Back`] if it
-    /// sees the back of the sheet, and [`Error::Before`] if the sheet is not behind the image.
-    pub(crate) fn at(&self, [column, row]: [f64; 2]) -> Result<Seen, Error> {
-        let file = || self.file.clone();
+    /// Returns an error if the camera lies in the plane of the image, if it sees the back of the
+    /// sheet, and if the sheet is not behind the image.
+    pub(crate) fn at(&self, [column, row]: [f64; 2]) -> Result<Seen, document::Error> {
+        let refused = |why: &str| {
+            let (file, line) = (self.file.clone(), 0);
+            Err(FileLine { file, line }.error(why))
+        };
         let plane = self.right.cross(&self.down);
         let point = self.centre + (self.right * column + self.down * row) * self.pitch_mm;
         let to_image = (point - self.camera).norm();
         let ray = (point - self.camera) / to_image;
         let across = ray.dot(&plane);
         if to_image == 0.0 || across.abs() < 1e-6 {
-            return Err(Error::Edge { file: file() });
+            return refused(
+                "the camera lies in the image's plane; move `position_mm` of [camera] in front of \
+                the image",
+            );
         }
         let cosine = -ray.dot(&self.normal);
         if cosine <= 1e-6 {
-            return Err(Error::Back {
-                file: file(),
-                column,
-                row,
-            });
+            return refused(&format!(
+                "the camera sees the back of the sheet at pixel ({column:.0}, {row:.0}); turn \
+                `normal` of [sheet] towards the camera"
+            ));
         }
         let to_sheet = (self.camera - self.sheet).dot(&self.normal) / cosine;
         let r_mm = to_sheet - to_image;
         if r_mm <= 0.0 {
-            return Err(Error::Before {
-                file: file(),
-                column,
-                row,
-            });
+            return refused(&format!(
+                "at pixel ({column:.0}, {row:.0}) the sheet is not behind the image; move \
+                `position_mm` of [sheet] away from the camera"
+            ));
         }
         // The light arrived at the sheet along the camera's ray. u is its direction in the sheet.
         let within = ray + self.normal * cosine;
