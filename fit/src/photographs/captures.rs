@@ -415,29 +415,7 @@ fn of_document(
     } = document.parse()?;
     let mut warnings = Vec::new();
     let setup = setup(&shared, file, &mut warnings);
-    let folder = file.parent().unwrap_or(Path::new(""));
-    let shot = |table: ShotTable| {
-        let place = document.place(table.image.span());
-        let image = folder.join(table.image.into_inner());
-        if !is_there(&image) {
-            return Err(place.error(format!(
-                "image {} does not exist; paths are relative to the folder of the manifest",
-                image.display()
-            )));
-        }
-        let channel = table.channel.as_ref().or(shared.channel.as_ref());
-        Ok(Shot {
-            image,
-            exposure: table.exposure.unwrap_or(1.0),
-            roi: table.roi.or(shared.roi),
-            accepted: table.accept.or(shared.accept.clone()).unwrap_or_default(),
-            decode: Decode {
-                transfer: table.transfer.or(shared.transfer),
-                channel: channel.map_or_else(Channel::default, |name| Channel::from_name(name)),
-            },
-            place,
-        })
-    };
+    let shot = |table| shot(table, &shared, document, is_there);
     let reference = reference.map(|table| shot(table.0)).transpose()?;
     if reference.is_none() {
         warnings.push(format!(
@@ -481,8 +459,57 @@ fn of_document(
         let none = "has no [[capture]]; add one for each photograph of the mid-air image";
         return Err(document.error(none).into());
     }
+    doubt(&captures, &mut warnings);
+    Ok(Manifest {
+        campaign: Campaign {
+            file: file.to_owned(),
+            setup,
+            reference,
+            captures,
+            warnings,
+        },
+        expected_table: shared.expect_table.map(|hash| ExpectedTable {
+            place: document.place(hash.span()),
+            hash: hash.into_inner().0,
+        }),
+    })
+}
+
+/// Returns the photograph of a table, with what the setup gives for all.
+fn shot(
+    table: ShotTable,
+    shared: &SetupTable,
+    document: &Document,
+    is_there: &dyn Fn(&Path) -> bool,
+) -> Result<Shot, document::Error> {
+    let place = document.place(table.image.span());
+    let folder = place.file.parent().unwrap_or(Path::new(""));
+    let image = folder.join(table.image.into_inner());
+    if !is_there(&image) {
+        let image = image.display();
+        let why = format!(
+            "image {image} does not exist; paths are relative to the folder of the manifest"
+        );
+        return Err(place.error(why));
+    }
+    let channel = table.channel.as_ref().or(shared.channel.as_ref());
+    Ok(Shot {
+        image,
+        exposure: table.exposure.unwrap_or(1.0),
+        roi: table.roi.or(shared.roi),
+        accepted: table.accept.or(shared.accept.clone()).unwrap_or_default(),
+        decode: Decode {
+            transfer: table.transfer.or(shared.transfer),
+            channel: channel.map_or_else(Channel::default, |name| Channel::from_name(name)),
+        },
+        place,
+    })
+}
+
+/// Warns of captures that contradict themselves or others.
+fn doubt(captures: &[Capture], warnings: &mut Vec<String>) {
     let mut images = HashSet::new();
-    for capture in &captures {
+    for capture in captures {
         if let Some(path) = capture
             .path_mm
             .filter(|&path| path < capture.floating_distance_mm)
@@ -502,19 +529,6 @@ fn of_document(
             ));
         }
     }
-    Ok(Manifest {
-        campaign: Campaign {
-            file: file.to_owned(),
-            setup,
-            reference,
-            captures,
-            warnings,
-        },
-        expected_table: shared.expect_table.map(|hash| ExpectedTable {
-            place: document.place(hash.span()),
-            hash: hash.into_inner().0,
-        }),
-    })
 }
 
 /// Returns the exposure of a capture relative to its reference, from the settings of the camera,
