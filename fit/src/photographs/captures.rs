@@ -380,18 +380,10 @@ fn roi<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Roi>, D::Error> {
     let numbers = Vec::<toml::Value>::deserialize(value)?;
     let whole = |number: &toml::Value| usize::try_from(number.as_integer()?).ok();
     let numbers: Option<Vec<usize>> = numbers.iter().map(whole).collect();
-    match numbers.as_deref() {
-        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Some(Roi {
-            x,
-            y,
-            width,
-            height,
-        })),
-        _ => Err(D::Error::custom(
-            "must be four whole numbers [x, y, width, height], none below 0, and width and height \
-            above 0; change the value",
-        )),
-    }
+    let wrong = "must be four whole numbers [x, y, width, height], none below 0, and width and height \
+        above 0; change the value";
+    let roi = numbers.and_then(|numbers| Roi::of(&numbers));
+    roi.map(Some).ok_or_else(|| D::Error::custom(wrong))
 }
 
 fn accept<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Vec<Accepted>>, D::Error> {

@@ -47,16 +47,6 @@ pub enum Error {
         /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A photograph that cannot be written.
-    #[error(
-        "{file}: cannot be written ({source}); check the path, its permissions and the space left"
-    )]
-    WriteExr {
-        /// Path of the photograph.
-        file: PathBuf,
-        /// The encoder's error.
-        source: exr::error::Error,
-    },
     /// A photograph that cannot be packed as JPEG.
     #[error("a photograph cannot be packed as JPEG ({source}); make it smaller")]
     Jpeg {

@@ -298,12 +298,12 @@ struct Tables {
 struct TruthTable {
     #[serde(deserialize_with = "kernel")]
     kernel: Kernel,
-    #[serde(default = "radial", deserialize_with = "lobe")]
+    #[serde(default, deserialize_with = "lobe")]
     lobe: LobeShape,
     #[serde(default, deserialize_with = "spectrum")]
     wavelength_nm: Option<Spectrum>,
-    #[serde(default = "one", alias = "ior", deserialize_with = "index")]
-    refractive_index: f64,
+    #[serde(default, alias = "ior", deserialize_with = "index")]
+    refractive_index: Option<f64>,
     pair: Option<bool>,
     #[serde(default, deserialize_with = "positive")]
     a: Option<ByIncidence>,
@@ -327,7 +327,7 @@ impl TruthTable {
             kernel,
             lobe: self.lobe,
             spectrum: self.wavelength_nm,
-            refractive_index: self.refractive_index,
+            refractive_index: self.refractive_index.unwrap_or(1.0),
             pair: self.pair.unwrap_or(true),
             a: self.a.or(a).ok_or("a")?,
             c_mm: self.c.or(c_mm).ok_or("c")?,
@@ -416,14 +416,6 @@ impl Default for PlantedCamera {
 
 fn source_edge() -> PlantedEdge {
     PlantedEdge::SOURCE
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn radial() -> LobeShape {
-    LobeShape::Radial
 }
 
 fn kernel<'de, D: Deserializer<'de>>(value: D) -> Result<Kernel, D::Error> {

@@ -43,7 +43,7 @@ pub(crate) struct Report {
 ///
 /// # Errors
 /// Returns [`Error::NotEmpty`] if the folder holds anything and `force` is not set,
-/// [`Error::Write`] or [`Error::WriteExr`] if a file or folder cannot be written, and
+/// [`Error::Write`] if a file or folder cannot be written, and
 /// [`Error::Params`] or [`Error::Unplanted`] for parameters built in code that cannot be
 /// simulated.
 pub(crate) fn run(params: &Params, folder: &Path, force: bool) -> Result<Report, Error> {
@@ -157,15 +157,14 @@ fn save(
         Encoding::SMALL_LOSSLESS,
         channels,
     );
-    let cannot = |source| Error::WriteExr {
-        file: file.to_owned(),
-        source,
-    };
-    Image::from_layer(layer)
+    let written = Image::from_layer(layer)
         .write()
         .non_parallel()
-        .to_file(file)
-        .map_err(cannot)
+        .to_file(file);
+    written.map_err(|source| Error::Write {
+        file: file.to_owned(),
+        source: std::io::Error::other(source),
+    })
 }
 
 /// Returns the extension of the photographs.
