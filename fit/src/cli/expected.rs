@@ -4,14 +4,13 @@ use std::path::Path;
 
 use tables::Table;
 
-use crate::cli::failure::{Asked, Failure};
+use crate::cli::failure::Failure;
 use crate::photographs::Campaign;
-use crate::photographs::captures::expected::ExpectedTable;
 use crate::photographs::captures::{self, Manifest};
 
-/// Hash that a table must have, if the user named one.
+/// Hash that a table must have, if the user named one, and the option or key that names it.
 #[derive(Debug)]
-pub(crate) struct Expected(Option<(String, Asked)>);
+pub(crate) struct Expected(Option<(String, String)>);
 
 /// Reads a manifest, and returns its campaign and the table that it and the option
 /// `--expect-table` ask for.
@@ -31,30 +30,21 @@ pub(super) fn of(
     manifest: Manifest,
     option: Option<&str>,
 ) -> Result<(Campaign, Expected), Failure> {
-    let expected = Expected::new(option, manifest.expected_table)?;
-    Ok((manifest.campaign, expected))
-}
-
-impl Expected {
-    /// Returns what the option `--expect-table` and the key of the manifest ask for together.
-    ///
-    /// # Errors
-    /// Returns [`Failure::TwoTables`] if they name different hashes.
-    fn new(option: Option<&str>, key: Option<ExpectedTable>) -> Result<Self, Failure> {
-        let Some(key) = key else {
-            let hash = option.map(|hash| (hash.to_ascii_lowercase(), Asked::Option));
-            return Ok(Expected(hash));
-        };
-        match option {
-            Some(option) if !option.eq_ignore_ascii_case(&key.hash) => Err(Failure::TwoTables {
+    let expected = match (option, manifest.expected_table) {
+        (Some(option), Some(key)) if !option.eq_ignore_ascii_case(&key.hash) => {
+            return Err(Failure::TwoTables {
                 place: key.place,
                 key: key.hash,
                 option: option.to_owned(),
-            }),
-            _ => Ok(Expected(Some((key.hash, Asked::Key(key.place))))),
+            });
         }
-    }
+        (_, Some(key)) => Some((key.hash, format!("`expect_table` in {}", key.place))),
+        (option, None) => option.map(|hash| (hash.to_ascii_lowercase(), "--expect-table".into())),
+    };
+    Ok((manifest.campaign, Expected(expected)))
+}
 
+impl Expected {
     /// Reads a table and refuses one of another hash.
     ///
     /// # Errors

@@ -1,6 +1,5 @@
 //! Errors that end a verb.
 
-use std::fmt;
 use std::path::PathBuf;
 
 use tables::OutputError;
@@ -20,41 +19,13 @@ use crate::predict::error as predict;
 use crate::report::plot;
 use crate::simulate::error as simulate;
 
-/// Place where the hash of the expected table stands.
-#[derive(Debug, Clone)]
-pub(crate) enum Asked {
-    /// Option `--expect-table`.
-    Option,
-    /// Key of the manifest, at this line.
-    Key(FileLine),
-}
-
-impl Asked {
-    /// Returns the name of the option or key, as a user writes it.
-    pub(crate) fn name(&self) -> &'static str {
-        match self {
-            Asked::Option => "--expect-table",
-            Asked::Key(_) => "`expect_table`",
-        }
-    }
-}
-
-impl fmt::Display for Asked {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Asked::Option => f.write_str(self.name()),
-            Asked::Key(place) => write!(f, "{} in {place}", self.name()),
-        }
-    }
-}
-
 /// Error that ends a verb.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum Failure {
     /// Fault of the manifest.
     #[error(transparent)]
-    Captures(#[from] captures::error::Error),
+    Captures(#[from] captures::Error),
     /// Fault of a photograph.
     #[error(transparent)]
     Photo(#[from] photo::error::Error),
@@ -100,16 +71,16 @@ pub(crate) enum Failure {
     /// Table of another content hash than `--expect-table` or the manifest names.
     #[error(
         "{}: has the content hash {found}, not that of {asked}; get the table from who gave you \
-        the hash, or leave {} out",
-        table.display(), asked.name()
+        the hash, or leave that out",
+        table.display()
     )]
     OtherTable {
         /// Path of the table.
         table: PathBuf,
         /// Content hash of the table, lower-case hex.
         found: String,
-        /// Place where the expected hash stands.
-        asked: Asked,
+        /// Option or key that names the expected hash.
+        asked: String,
     },
     /// Manifest and command line that ask for different tables.
     #[error(
@@ -251,7 +222,7 @@ impl From<estimate::Error> for Failure {
 
 impl Failure {
     /// Makes the failure of options of `verb` that exclude each other.
-    pub(crate) fn conflict(verb: &'static str, message: impl fmt::Display) -> Failure {
+    pub(crate) fn conflict(verb: &'static str, message: impl std::fmt::Display) -> Failure {
         clap::Command::new(verb)
             .override_usage(format!("{verb} [OPTIONS]"))
             .error(clap::error::ErrorKind::ArgumentConflict, message)

@@ -81,7 +81,7 @@ pub(crate) struct Arguments {
     /// Without this option, EXR is linear. Other files are read as their cICP chunk, ICC profile,
     /// sRGB chunk, gAMA chunk or Exif data say; without these, 8 bits are sRGB and 16 bits are
     /// linear.
-    #[arg(long, value_parser = transfer)]
+    #[arg(long, value_parser = parse::transfer)]
     pub transfer: Option<Transfer>,
     /// Channel: luminance, red, green, blue or a name.
     ///
@@ -113,10 +113,6 @@ fn accepted(text: &str) -> Result<Accepted, String> {
     Accepted::from_name(text).ok_or_else(|| format!("use {}", Accepted::NAMES.join(" or ")))
 }
 
-fn transfer(text: &str) -> Result<Transfer, String> {
-    Transfer::from_name(text).ok_or_else(|| "use linear or srgb".into())
-}
-
 fn roi(text: &str) -> Result<Roi, String> {
     // The form `roi = [...]` of messages and manifests is read too.
     let pasted = text
@@ -124,15 +120,8 @@ fn roi(text: &str) -> Result<Roi, String> {
         .and_then(|text| text.strip_suffix(']'));
     let text = pasted.unwrap_or(text);
     let parts: Result<Vec<usize>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    match parts.as_deref() {
-        Ok(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Roi {
-            x,
-            y,
-            width,
-            height,
-        }),
-        _ => Err("write x,y,width,height in whole pixels, the last two above 0".into()),
-    }
+    let roi = parts.ok().and_then(|parts| Roi::of(&parts));
+    roi.ok_or_else(|| "write x,y,width,height in whole pixels, the last two above 0".into())
 }
 
 impl Arguments {

@@ -9,31 +9,6 @@ use crate::document::Bounds;
 use crate::photographs::photo::transfer::Transfer;
 use crate::result::ResultFile;
 
-/// Reads a list of incidence angles, degrees.
-///
-/// # Errors
-/// Returns a message for clap if `text` is no list, or if an angle is not in 0 <= angle < 90.
-pub(crate) fn incidences(text: &str) -> Result<Vec<f64>, String> {
-    let list = list(text).map_err(|error| error.to_string())?;
-    match list.iter().find(|v| !(0.0..90.0).contains(*v)) {
-        Some(bad) => Err(format!(
-            "the incidence {bad} is not in 0 <= angle < 90 degrees"
-        )),
-        None => Ok(list),
-    }
-}
-
-/// Reads one incidence, degrees.
-///
-/// # Errors
-/// Returns a message for clap if `text` is no number in 0 <= angle < 90.
-pub(crate) fn incidence(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if (0.0..90.0).contains(&value) => Ok(value),
-        _ => Err("must be an angle in 0 <= angle < 90 degrees".into()),
-    }
-}
-
 /// Returns the azimuth of a table that holds only one, degrees; `None` for other tables.
 pub(crate) fn only_azimuth(table: &tables::Table) -> Option<f64> {
     match table.axes.azimuth_deg[..] {
@@ -47,14 +22,6 @@ pub(crate) fn only_azimuth(table: &tables::Table) -> Option<f64> {
 pub(crate) fn usual_azimuth(table: &tables::Table, result: &ResultFile) -> Option<f64> {
     let all_around = result.is_nominal() && !table.axes.is_mean();
     only_azimuth(table).or(all_around.then_some(0.0))
-}
-
-/// Reads a list of numbers above 0.
-///
-/// # Errors
-/// Returns a message for clap if `text` is no list, or if a number is out of range.
-pub(crate) fn positives(text: &str) -> Result<Vec<f64>, String> {
-    within_all(text, Bounds::POSITIVE)
 }
 
 /// Reads a list of numbers within bounds.
@@ -75,44 +42,24 @@ fn within(text: &str, bounds: Bounds) -> Result<f64, String> {
     }
 }
 
-/// Reads one number above 0.
-///
-/// # Errors
-/// Returns a message for clap if `text` is no such number.
-pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    within(text, Bounds::POSITIVE)
+/// Defines readers of options, which return a message for clap.
+macro_rules! readers {
+    ($($name:ident: $value:ty = $within:ident($bounds:expr);)*) => {
+        $(pub(crate) fn $name(text: &str) -> Result<$value, String> {
+            $within(text, $bounds)
+        })*
+    };
 }
 
-/// Reads a share of a whole, above 0 and at most 1.
-///
-/// # Errors
-/// Returns a message for clap if `text` is no such number.
-pub(crate) fn share(text: &str) -> Result<f64, String> {
-    within(text, Bounds::SHARE)
-}
-
-/// Reads one number that is 0 or larger.
-///
-/// # Errors
-/// Returns a message for clap if `text` is no such number.
-pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
-    within(text, Bounds::NOT_NEGATIVE)
-}
-
-/// Reads an angle of a turn, degrees.
-///
-/// # Errors
-/// Returns a message for clap if `text` is no angle from -360 to 360.
-pub(crate) fn turn(text: &str) -> Result<f64, String> {
-    within(text, Bounds::TURN)
-}
-
-/// Reads a list of angles of a turn, degrees.
-///
-/// # Errors
-/// Returns a message for clap if `text` is no list, or if an angle is not from -360 to 360.
-pub(crate) fn turns(text: &str) -> Result<Vec<f64>, String> {
-    within_all(text, Bounds::TURN)
+readers! {
+    positive: f64 = within(Bounds::POSITIVE);
+    positives: Vec<f64> = within_all(Bounds::POSITIVE);
+    share: f64 = within(Bounds::SHARE);
+    not_negative: f64 = within(Bounds::NOT_NEGATIVE);
+    incidence: f64 = within(Bounds::INCIDENCE);
+    incidences: Vec<f64> = within_all(Bounds::INCIDENCE);
+    turn: f64 = within(Bounds::TURN);
+    turns: Vec<f64> = within_all(Bounds::TURN);
 }
 
 /// Reads the transfer function of stored integers: linear or srgb.

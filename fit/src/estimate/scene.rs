@@ -38,7 +38,7 @@ use crate::samples::Sampled;
 pub enum Error {
     /// Manifest or photograph that cannot be read.
     #[error(transparent)]
-    Captures(#[from] captures::error::Error),
+    Captures(#[from] captures::Error),
     /// Direction that the table does not have.
     #[error("{}: capture \"{image}\": {source}", manifest.display())]
     Direction {
@@ -82,8 +82,7 @@ pub enum Error {
 }
 
 /// Function that supplies the photograph of a shot.
-pub(crate) type Source<'a> =
-    dyn Fn(&captures::Shot) -> Result<Photo, captures::error::Error> + Sync + 'a;
+pub(crate) type Source<'a> = dyn Fn(&captures::Shot) -> Result<Photo, captures::Error> + Sync + 'a;
 
 /// One photograph of the mid-air edge, with its direction of the table.
 #[derive(Clone)]

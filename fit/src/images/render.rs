@@ -11,6 +11,7 @@ pub(crate) mod view;
 
 use std::path::PathBuf;
 
+use crate::document;
 use crate::images::render::psf::{Fault, Psf};
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
@@ -43,12 +44,9 @@ pub(crate) enum Error {
     /// Blur that cannot be computed.
     #[error(transparent)]
     Blur(#[from] Fault),
-    /// View file that cannot be read.
+    /// View file that cannot be read, or view that does not show the sheet.
     #[error(transparent)]
-    CameraView(#[from] crate::document::Error),
-    /// View that does not show the sheet.
-    #[error(transparent)]
-    Unseen(#[from] view::Error),
+    CameraView(#[from] document::Error),
     /// Model without samples: only its OTF is known.
     #[error(
         "the model of this result has no samples: --forward render works only with the kernels \
@@ -144,7 +142,7 @@ pub(crate) fn uniform(source: &Picture, psf: &Psf, watch: Watch<'_>) -> Picture 
 /// times the share that the face reflects by Fresnel's equations.
 ///
 /// # Errors
-/// Returns [`Error::Unseen`] if the view does not show the sheet, and [`Error::Pixel`] if the blur
+/// Returns [`Error::CameraView`] if the view does not show the sheet, and [`Error::Pixel`] if the blur
 /// of a pixel cannot be computed.
 pub(crate) fn viewed(
     source: &Picture,
@@ -183,7 +181,7 @@ pub(crate) fn viewed(
 fn seen_by<'a>(
     view: &'a CameraView,
     source: &Picture,
-) -> impl Fn([f64; 2]) -> Result<Seen, view::Error> + Sync + use<'a> {
+) -> impl Fn([f64; 2]) -> Result<Seen, document::Error> + Sync + use<'a> {
     let middle = middle(source);
     move |[x, y]| view.at([x - middle[0], y - middle[1]])
 }
@@ -202,7 +200,7 @@ fn coat(
     source: &Picture,
     view: &CameraView,
     half_mirror: f64,
-) -> Result<(), view::Error> {
+) -> Result<(), document::Error> {
     let Some(index) = view.coating else {
         return Ok(());
     };
@@ -210,7 +208,7 @@ fn coat(
     let seen = seen_by(view, source);
     for (plane, own) in planes.iter_mut().zip(&source.planes) {
         let rows = plane.par_chunks_exact_mut(source.width).enumerate();
-        rows.try_for_each(|(y, row)| -> Result<(), view::Error> {
+        rows.try_for_each(|(y, row)| -> Result<(), document::Error> {
             for (x, value) in row.iter_mut().enumerate() {
                 let Seen {
                     place, mirrored, ..

@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 /// The two-dimensional shape of a lobe.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum LobeShape {
     /// sinc^2(a r), cut at a r = 2.4 pi, with total light 1.
+    #[default]
     Radial,
     /// sinc^2(a x) sinc^2(a y), not cut.
     Separable,

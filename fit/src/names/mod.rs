@@ -15,5 +15,5 @@ pub(crate) use kernel::Family;
 pub use kernel::Kernel;
 pub use lobe::LobeShape;
 pub use parameter::{ParameterId, ParameterKind};
+pub(crate) use spectrum::SpectralLine;
 pub use spectrum::Spectrum;
-pub(crate) use spectrum::{SpectralLine, SpectrumError};

@@ -21,54 +21,10 @@ pub struct Spectrum {
     lines: Vec<SpectralLine>,
 }
 
-/// A reason why a text or a number is not a spectrum.
+/// A reason why a text or a number is not a spectrum, with the remedy, to follow its key.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SpectrumError {
-    /// An entry that is neither `wavelength` nor `wavelength:weight`.
-    #[error(
-        "has the entry \"{entry}\", which is not a wavelength such as 550 or a pair such as \
-        550:0.5; correct it"
-    )]
-    Entry {
-        /// The entry that was found.
-        entry: String,
-    },
-    /// A wavelength outside 100 to 20000 nm, for example one given in another unit.
-    #[error("is {wavelength_nm} nm but must be between 100 and 20000 nm; give it in nanometres")]
-    Wavelength {
-        /// The wavelength that was found, nm.
-        wavelength_nm: f64,
-    },
-    /// A weight that is not finite, or not greater than 0.
-    #[error(
-        "gives {wavelength_nm} nm the weight {weight}, which must be finite and greater than 0; \
-        correct it"
-    )]
-    Weight {
-        /// Wavelength of the entry, nm.
-        wavelength_nm: f64,
-        /// The weight that was found.
-        weight: f64,
-    },
-    /// More wavelengths than any source is measured at.
-    #[error("has {lines} wavelengths, above the limit of {MOST_LINES}; merge neighbouring ones")]
-    Many {
-        /// Number of wavelengths.
-        lines: usize,
-    },
-    /// Wavelengths that no single source and camera span.
-    #[error(
-        "mixes {least_nm} nm and {most_nm} nm, but the longest wavelength may be at most 5 times \
-        the shortest; correct it, or take each by itself"
-    )]
-    Wide {
-        /// Shortest wavelength, nm.
-        least_nm: f64,
-        /// Longest wavelength, nm.
-        most_nm: f64,
-    },
-}
+#[error("{0}")]
+pub struct SpectrumError(String);
 
 /// Greatest number of wavelengths of a spectrum: those of silicon in steps of a nanometre, and some.
 /// The time of every verb is proportional to it.
@@ -84,7 +40,7 @@ impl Spectrum {
     /// Returns a spectrum of one line with weight 1.
     ///
     /// # Errors
-    /// Returns `SpectrumError::Wavelength` if the wavelength is outside 100 to 20000 nm.
+    /// Returns an error if the wavelength is outside 100 to 20000 nm.
     pub fn monochromatic(wavelength_nm: f64) -> Result<Spectrum, SpectrumError> {
         Ok(Spectrum {
             lines: vec![line(wavelength_nm, 1.0)?],
@@ -95,18 +51,20 @@ impl Spectrum {
     /// weight has weight 1.
     ///
     /// # Errors
-    /// Returns a `SpectrumError` about the first wrong entry: one that is not `wavelength` or
+    /// Returns an error about the first wrong entry: one that is not `wavelength` or
     /// `wavelength:weight`, a wavelength outside 100 to 20000 nm, or a weight that is not finite
-    /// and positive. Returns `SpectrumError::Wide` if one wavelength is more than 5 times another,
-    /// and `SpectrumError::Many` for more than 1000.
+    /// and positive. It is an error too if one wavelength is more than 5 times another, and if
+    /// there are more than 1000.
     pub fn parse(text: &str) -> Result<Spectrum, SpectrumError> {
         let read = |entry: &str| {
             let number = |word: &str| {
-                word.trim()
-                    .parse::<f64>()
-                    .map_err(|_| SpectrumError::Entry {
-                        entry: entry.trim().to_owned(),
-                    })
+                word.trim().parse::<f64>().map_err(|_| {
+                    SpectrumError(format!(
+                        "has the entry \"{}\", which is not a wavelength such as 550 or a pair such \
+                        as 550:0.5; correct it",
+                        entry.trim()
+                    ))
+                })
             };
             match entry.split_once(':') {
                 Some((wavelength, weight)) => line(number(wavelength)?, number(weight)?),
@@ -115,7 +73,9 @@ impl Spectrum {
         };
         let lines = text.split(',').count();
         if lines > MOST_LINES {
-            return Err(SpectrumError::Many { lines });
+            return Err(SpectrumError(format!(
+                "has {lines} wavelengths, above the limit of {MOST_LINES}; merge neighbouring ones"
+            )));
         }
         let lines: Vec<SpectralLine> = text.split(',').map(read).collect::<Result<_, _>>()?;
         let lengths = || lines.iter().map(|line| line.wavelength_nm);
@@ -124,7 +84,10 @@ impl Spectrum {
             lengths().fold(0.0, f64::max),
         );
         if most_nm > MOST_RATIO * least_nm {
-            return Err(SpectrumError::Wide { least_nm, most_nm });
+            return Err(SpectrumError(format!(
+                "mixes {least_nm} nm and {most_nm} nm, but the longest wavelength may be at most 5 \
+                times the shortest; correct it, or take each by itself"
+            )));
         }
         Ok(Spectrum { lines })
     }
@@ -172,13 +135,15 @@ impl From<Spectrum> for String {
 
 fn line(wavelength_nm: f64, weight: f64) -> Result<SpectralLine, SpectrumError> {
     if !(100.0..=20_000.0).contains(&wavelength_nm) {
-        return Err(SpectrumError::Wavelength { wavelength_nm });
+        return Err(SpectrumError(format!(
+            "is {wavelength_nm} nm but must be between 100 and 20000 nm; give it in nanometres"
+        )));
     }
     if !(weight.is_finite() && weight > 0.0) {
-        return Err(SpectrumError::Weight {
-            wavelength_nm,
-            weight,
-        });
+        return Err(SpectrumError(format!(
+            "gives {wavelength_nm} nm the weight {weight}, which must be finite and greater than \
+            0; correct it"
+        )));
     }
     Ok(SpectralLine {
         wavelength_nm,
@@ -227,7 +192,7 @@ mod tests {
         // 1000 wavelengths, and one more.
         let lines = |count| vec!["550"; count].join(",");
         assert!(Spectrum::parse(&lines(1000)).is_ok());
-        let many = Spectrum::parse(&lines(1001));
-        assert_eq!(many, Err(SpectrumError::Many { lines: 1001 }));
+        let many = Spectrum::parse(&lines(1001)).unwrap_err().to_string();
+        assert!(many.contains("1001 wavelengths"), "{many}");
     }
 }

@@ -5,56 +5,36 @@
 //! downward; angles in it run from +x towards +y. Every key is checked here, so every number that
 //! is returned is finite and in range, and every image exists.
 
-pub(crate) mod error;
-pub(crate) mod expected;
-
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use crate::document::Bounds;
-use crate::document::FileLine;
-use crate::document::error as document;
-use crate::document::{Document, Section};
+use serde::Deserialize;
+use serde::de::{Deserializer, Error as _};
+use toml::Spanned;
+
+use crate::document::{self, Document, FileLine, Table};
+use crate::document::{choice, choices, incidence, positive, share, spectrum, turn};
 use crate::names::Spectrum;
-use crate::photographs::captures::error::Error;
-use crate::photographs::captures::expected::ExpectedTable;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
 use crate::photographs::photo::held::Held;
-use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::plane::{Photo, as_shown};
 use crate::photographs::photo::settings::Settings;
 use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::roi::Roi;
 
-/// Keys of `[setup]` that every capture may override.
-const SHARED: [&str; 6] = [
-    "path_mm",
-    "roi",
-    "tangential_axis_deg",
-    "transfer",
-    "channel",
-    "accept",
-];
-/// Keys of `[setup]` alone.
-const SETUP: [&str; 6] = [
-    "pixel_pitch_mm",
-    "seen_in_mirror",
-    "half_mirror_transmittance",
-    "half_mirror_reflectance",
-    "wavelength_nm",
-    expected::KEY,
-];
-/// Keys of a photograph, with or without the sheet.
-const SHOT: [&str; 6] = ["image", "exposure", "roi", "transfer", "channel", "accept"];
-/// Keys of a photograph of the mid-air edge alone.
-const CAPTURE: [&str; 5] = [
-    "floating_distance_mm",
-    "incidence_deg",
-    "azimuth_deg",
-    "path_mm",
-    "tangential_axis_deg",
-];
+/// A reason why a manifest, or one of its photographs, cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A fault of the manifest: its text, one of its keys, or what a key names.
+    #[error(transparent)]
+    Document(#[from] document::Error),
+    /// A photograph that cannot be used.
+    #[error(transparent)]
+    Photo(#[from] photo::error::Error),
+}
 
 /// Properties that all captures of a campaign have in common.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,8 +121,8 @@ impl Shot {
     /// Reads the photograph and checks that the region lies in it.
     ///
     /// # Errors
-    /// Returns `Error::Photo` if the image file cannot be used, and `Error::RoiOutside` if the
-    /// region reaches beyond the picture.
+    /// Returns an error if the image file cannot be used, and if the region reaches beyond the
+    /// picture.
     pub fn load(&self) -> Result<Photo, Error> {
         self.checked(photo::load(&self.image, &self.decode)?)
     }
@@ -158,14 +138,16 @@ impl Shot {
     /// Checks that the region lies in the photograph.
     fn checked(&self, photo: Photo) -> Result<Photo, Error> {
         match self.roi {
-            Some(roi) if !roi.fits(photo.width, photo.height) => Err(Error::RoiOutside {
-                place: self.place.clone(),
-                roi,
-                image: self.image.clone(),
-                width: photo.width,
-                height: photo.height,
-                turned: photo.is_turned(),
-            }),
+            Some(roi) if !roi.fits(photo.width, photo.height) => {
+                let image = self.image.display();
+                let (width, height) = (photo.width, photo.height);
+                let turned = as_shown(photo.is_turned());
+                let why = format!(
+                    "{roi} reaches beyond {image}, which is {width} x {height} pixels{turned}; \
+                    correct `roi`"
+                );
+                Err(self.place.clone().error(why).into())
+            }
             _ => Ok(photo),
         }
     }
@@ -242,6 +224,15 @@ impl Campaign {
     }
 }
 
+/// Content hash that the table of a campaign must have.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct ExpectedTable {
+    /// The hash: 64 hex digits, lower-case.
+    pub(crate) hash: String,
+    /// Line of the manifest that states it.
+    pub(crate) place: FileLine,
+}
+
 /// A manifest that has been checked: its campaign, and the table that the campaign asks for.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Manifest {
@@ -288,61 +279,229 @@ pub(crate) fn held(
     of_document(&Document::new(name, text), name, is_held)
 }
 
+/// A manifest as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Tables {
+    setup: Table<SetupTable>,
+    reference: Option<Table<ShotTable>>,
+    #[serde(default)]
+    capture: Vec<Spanned<Table<CaptureTable>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SetupTable {
+    #[serde(deserialize_with = "positive")]
+    pixel_pitch_mm: f64,
+    seen_in_mirror: Option<bool>,
+    #[serde(default, deserialize_with = "share")]
+    half_mirror_transmittance: Option<f64>,
+    #[serde(default, deserialize_with = "share")]
+    half_mirror_reflectance: Option<f64>,
+    #[serde(default, deserialize_with = "spectrum")]
+    wavelength_nm: Option<Spectrum>,
+    expect_table: Option<Spanned<Hash>>,
+    // What the tables of photographs may override.
+    #[serde(default, deserialize_with = "positive")]
+    path_mm: Option<f64>,
+    #[serde(default, deserialize_with = "turn")]
+    tangential_axis_deg: Option<f64>,
+    #[serde(default, deserialize_with = "roi")]
+    roi: Option<Roi>,
+    #[serde(default, deserialize_with = "accept")]
+    accept: Option<Vec<Accepted>>,
+    #[serde(default, deserialize_with = "transfer")]
+    transfer: Option<Transfer>,
+    channel: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShotTable {
+    image: Spanned<String>,
+    #[serde(default, deserialize_with = "positive")]
+    exposure: Option<f64>,
+    #[serde(default, deserialize_with = "roi")]
+    roi: Option<Roi>,
+    #[serde(default, deserialize_with = "accept")]
+    accept: Option<Vec<Accepted>>,
+    #[serde(default, deserialize_with = "transfer")]
+    transfer: Option<Transfer>,
+    channel: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CaptureTable {
+    #[serde(deserialize_with = "positive")]
+    floating_distance_mm: f64,
+    #[serde(deserialize_with = "incidence")]
+    incidence_deg: f64,
+    #[serde(default, deserialize_with = "turn")]
+    azimuth_deg: Option<f64>,
+    #[serde(default, deserialize_with = "positive")]
+    path_mm: Option<f64>,
+    #[serde(default, deserialize_with = "turn")]
+    tangential_axis_deg: Option<f64>,
+    // The keys of a `ShotTable`.
+    image: Spanned<String>,
+    #[serde(default, deserialize_with = "positive")]
+    exposure: Option<f64>,
+    #[serde(default, deserialize_with = "roi")]
+    roi: Option<Roi>,
+    #[serde(default, deserialize_with = "accept")]
+    accept: Option<Vec<Accepted>>,
+    #[serde(default, deserialize_with = "transfer")]
+    transfer: Option<Transfer>,
+    channel: Option<String>,
+}
+
+/// SHA-256 in hex, lower-case.
+#[derive(Deserialize)]
+#[serde(try_from = "String")]
+struct Hash(String);
+
+impl TryFrom<String> for Hash {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Hash, String> {
+        if text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+            return Ok(Hash(text.to_ascii_lowercase()));
+        }
+        Err(format!(
+            "is \"{text}\", which is no content hash; write the 64 hex digits that `bake verify` \
+            prints"
+        ))
+    }
+}
+
+fn roi<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Roi>, D::Error> {
+    let numbers = Vec::<toml::Value>::deserialize(value)?;
+    let whole = |number: &toml::Value| usize::try_from(number.as_integer()?).ok();
+    let numbers: Option<Vec<usize>> = numbers.iter().map(whole).collect();
+    let wrong = "must be four whole numbers [x, y, width, height], none below 0, and width and height \
+        above 0; change the value";
+    let roi = numbers.and_then(|numbers| Roi::of(&numbers));
+    roi.map(Some).ok_or_else(|| D::Error::custom(wrong))
+}
+
+fn accept<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Vec<Accepted>>, D::Error> {
+    choices(value, &Accepted::NAMES, Accepted::from_name).map(Some)
+}
+
+fn transfer<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Transfer>, D::Error> {
+    choice(value, &Transfer::NAMES, Transfer::from_name).map(Some)
+}
+
 /// Checks a manifest. Its photographs are there if `is_there` says so.
 fn of_document(
     document: &Document,
     file: &Path,
     is_there: &dyn Fn(&Path) -> bool,
 ) -> Result<Manifest, Error> {
-    let table = document.parse()?;
-    let root = Section::root(document, &table, &["setup", "reference", "capture"])?;
-    let known: Vec<_> = SETUP.iter().chain(&SHARED).copied().collect();
-    let setup_keys = root.required("setup", root.section("setup", &known)?)?;
+    let Tables {
+        setup: Table(shared),
+        reference,
+        capture,
+    } = document.parse()?;
     let mut warnings = Vec::new();
-    let setup = read_setup(&setup_keys, file, &mut warnings)?;
-    let expected_table = expected::read(&setup_keys)?;
-    let folder = file.parent().unwrap_or(Path::new(""));
-    let shared = Shared {
-        keys: &setup_keys,
-        folder,
-        is_there,
-    };
-
-    let reference = match root.section("reference", &SHOT)? {
-        Some(keys) => {
-            let exposure = keys.number("exposure", Bounds::POSITIVE)?.unwrap_or(1.0);
-            Some(shared.shot(&keys, exposure)?)
-        }
-        None => {
-            warnings.push(format!(
-                "{} has no [reference]: the blur of the lens is assumed, and mu cannot be found; \
-                photograph the source edge too.",
-                file.display()
-            ));
-            None
-        }
-    };
-    let known: Vec<_> = SHOT.iter().chain(&CAPTURE).copied().collect();
+    let setup = setup(&shared, file, &mut warnings);
+    let shot = |table| shot(table, &shared, document, is_there);
+    let reference = reference.map(|table| shot(table.0)).transpose()?;
+    if reference.is_none() {
+        warnings.push(format!(
+            "{} has no [reference]: the blur of the lens is assumed, and mu cannot be found; \
+            photograph the source edge too.",
+            file.display()
+        ));
+    }
     let mut captures: Vec<Capture> = Vec::new();
     let mut source = None;
-    for keys in root.sections("capture", &known)? {
-        let given = keys.number("exposure", Bounds::POSITIVE)?;
-        let mut capture = shared.capture(&keys, given.unwrap_or(1.0))?;
+    for table in capture {
+        let place = document.place(table.span());
+        let Table(table) = table.into_inner();
+        let given = table.exposure;
+        let mut capture = Capture {
+            floating_distance_mm: table.floating_distance_mm,
+            path_mm: table.path_mm.or(shared.path_mm),
+            incidence_deg: table.incidence_deg,
+            azimuth_deg: table.azimuth_deg,
+            tangential_axis_deg: (table.tangential_axis_deg)
+                .or(shared.tangential_axis_deg)
+                .unwrap_or(0.0),
+            shot: shot(ShotTable {
+                image: table.image,
+                exposure: given,
+                roi: table.roi,
+                accept: table.accept,
+                transfer: table.transfer,
+                channel: table.channel,
+            })?,
+        };
         if let (None, Some(reference)) = (given, &reference) {
             let (exposure, warning) =
-                exposure_by_camera(&keys, reference, &mut source, &capture.shot)?;
+                exposure_by_camera(&place, reference, &mut source, &capture.shot)?;
             capture.shot.exposure = exposure;
             warnings.push(warning);
         }
         captures.push(capture);
     }
     if captures.is_empty() {
-        return Err(Error::NoCaptures {
-            file: file.to_owned(),
-        });
+        let none = "has no [[capture]]; add one for each photograph of the mid-air image";
+        return Err(document.error(none).into());
     }
+    doubt(&captures, &mut warnings);
+    Ok(Manifest {
+        campaign: Campaign {
+            file: file.to_owned(),
+            setup,
+            reference,
+            captures,
+            warnings,
+        },
+        expected_table: shared.expect_table.map(|hash| ExpectedTable {
+            place: document.place(hash.span()),
+            hash: hash.into_inner().0,
+        }),
+    })
+}
+
+/// Returns the photograph of a table, with what the setup gives for all.
+fn shot(
+    table: ShotTable,
+    shared: &SetupTable,
+    document: &Document,
+    is_there: &dyn Fn(&Path) -> bool,
+) -> Result<Shot, document::Error> {
+    let place = document.place(table.image.span());
+    let folder = place.file.parent().unwrap_or(Path::new(""));
+    let image = folder.join(table.image.into_inner());
+    if !is_there(&image) {
+        let image = image.display();
+        let why = format!(
+            "image {image} does not exist; paths are relative to the folder of the manifest"
+        );
+        return Err(place.error(why));
+    }
+    let channel = table.channel.as_ref().or(shared.channel.as_ref());
+    Ok(Shot {
+        image,
+        exposure: table.exposure.unwrap_or(1.0),
+        roi: table.roi.or(shared.roi),
+        accepted: table.accept.or(shared.accept.clone()).unwrap_or_default(),
+        decode: Decode {
+            transfer: table.transfer.or(shared.transfer),
+            channel: channel.map_or_else(Channel::default, |name| Channel::from_name(name)),
+        },
+        place,
+    })
+}
+
+/// Warns of captures that contradict themselves or others.
+fn doubt(captures: &[Capture], warnings: &mut Vec<String>) {
     let mut images = HashSet::new();
-    for capture in &captures {
+    for capture in captures {
         if let Some(path) = capture
             .path_mm
             .filter(|&path| path < capture.floating_distance_mm)
@@ -362,31 +521,22 @@ fn of_document(
             ));
         }
     }
-    Ok(Manifest {
-        campaign: Campaign {
-            file: file.to_owned(),
-            setup,
-            reference,
-            captures,
-            warnings,
-        },
-        expected_table,
-    })
 }
 
 /// Returns the exposure of a capture relative to its reference, from the settings of the camera,
 /// and a warning about its accuracy. `source` keeps the settings of the reference.
 fn exposure_by_camera(
-    keys: &Section<'_>,
+    place: &FileLine,
     reference: &Shot,
     source: &mut Option<Settings>,
     shot: &Shot,
 ) -> Result<(f64, String), Error> {
     let settings = |image: &Path| {
-        Settings::of(image).map_err(|lack| Error::NoExposure {
-            place: keys.place().clone(),
-            image: image.to_owned(),
-            lack,
+        Settings::of(image).map_err(|lack| {
+            place.clone().error(format!(
+                "`exposure` is missing from [[capture]], and {} has {lack}; add `exposure`",
+                image.display()
+            ))
         })
     };
     let own = settings(&shot.image)?;
@@ -404,13 +554,9 @@ fn exposure_by_camera(
     Ok((exposure, warning))
 }
 
-fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Result<Setup, Error> {
-    let pixel_pitch_mm = keys.required(
-        "pixel_pitch_mm",
-        keys.number("pixel_pitch_mm", Bounds::POSITIVE)?,
-    )?;
-    let transmittance = keys.number("half_mirror_transmittance", Bounds::SHARE)?;
-    let reflectance = keys.number("half_mirror_reflectance", Bounds::SHARE)?;
+fn setup(table: &SetupTable, file: &Path, warnings: &mut Vec<String>) -> Setup {
+    let transmittance = table.half_mirror_transmittance;
+    let reflectance = table.half_mirror_reflectance;
     if transmittance.is_none() || reflectance.is_none() {
         warnings.push(format!(
             "{} does not give both half_mirror_transmittance and half_mirror_reflectance: what is \
@@ -427,97 +573,11 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
             file.display()
         ));
     }
-    Ok(Setup {
-        pixel_pitch_mm,
-        seen_in_mirror: keys.flag("seen_in_mirror")?,
+    Setup {
+        pixel_pitch_mm: table.pixel_pitch_mm,
+        seen_in_mirror: table.seen_in_mirror,
         half_mirror_transmittance: transmittance.unwrap_or(1.0),
         half_mirror_reflectance: reflectance.unwrap_or(1.0),
-        spectrum: keys.spectrum()?,
-    })
-}
-
-/// Keys of `[setup]` from which a photograph takes what its own table does not give.
-struct Shared<'k, 'd> {
-    keys: &'k Section<'d>,
-    folder: &'k Path,
-    is_there: &'k dyn Fn(&Path) -> bool,
-}
-
-impl Shared<'_, '_> {
-    fn shot(&self, keys: &Section<'_>, exposure: f64) -> Result<Shot, Error> {
-        let image = self
-            .folder
-            .join(keys.required("image", keys.text("image")?)?);
-        let place = keys.place_of("image");
-        if !(self.is_there)(&image) {
-            return Err(Error::ImageMissing { place, image });
-        }
-        let roi = read_roi(keys)?.or(read_roi(self.keys)?);
-        let accepted = read_accepted(keys)?.or(read_accepted(self.keys)?);
-        let transfer = read_transfer(keys)?.or(read_transfer(self.keys)?);
-        let channel = keys
-            .text("channel")?
-            .or(self.keys.text("channel")?)
-            .map(Channel::from_name)
-            .unwrap_or_default();
-        Ok(Shot {
-            image,
-            exposure,
-            roi,
-            accepted: accepted.unwrap_or_default(),
-            decode: Decode { transfer, channel },
-            place,
-        })
+        spectrum: table.wavelength_nm.clone(),
     }
-
-    fn capture(&self, keys: &Section<'_>, exposure: f64) -> Result<Capture, Error> {
-        let number = |key, bounds| keys.number(key, bounds);
-        let own_or_shared = |key, bounds| {
-            Ok::<_, Error>(keys.number(key, bounds)?.or(self.keys.number(key, bounds)?))
-        };
-        let distance = number("floating_distance_mm", Bounds::POSITIVE)?;
-        let incidence = number("incidence_deg", Bounds::INCIDENCE)?;
-        Ok(Capture {
-            floating_distance_mm: keys.required("floating_distance_mm", distance)?,
-            incidence_deg: keys.required("incidence_deg", incidence)?,
-            azimuth_deg: number("azimuth_deg", Bounds::TURN)?,
-            path_mm: own_or_shared("path_mm", Bounds::POSITIVE)?,
-            tangential_axis_deg: own_or_shared("tangential_axis_deg", Bounds::TURN)?.unwrap_or(0.0),
-            shot: self.shot(keys, exposure)?,
-        })
-    }
-}
-
-fn read_accepted(keys: &Section<'_>) -> Result<Option<Vec<Accepted>>, document::Error> {
-    keys.choices("accept", &Accepted::NAMES, Accepted::from_name)
-}
-
-fn read_transfer(keys: &Section<'_>) -> Result<Option<Transfer>, document::Error> {
-    keys.choice("transfer", &Transfer::NAMES, Transfer::from_name)
-}
-
-fn read_roi(keys: &Section<'_>) -> Result<Option<Roi>, Error> {
-    let Some([x, y, width, height]) =
-        keys.whole_array::<4>("roi", "four whole numbers [x, y, width, height]")?
-    else {
-        return Ok(None);
-    };
-    for (side, name) in [(width, "width of roi"), (height, "height of roi")] {
-        if side == 0 {
-            let must_be = Bounds::POSITIVE.words;
-            let place = keys.place_of("roi");
-            return Err(Error::Document(document::Error::OutOfRange {
-                place,
-                key: name.to_owned(),
-                value: 0.0,
-                must_be,
-            }));
-        }
-    }
-    Ok(Some(Roi {
-        x,
-        y,
-        width,
-        height,
-    }))
 }

@@ -14,6 +14,19 @@ pub struct Roi {
 }
 
 impl Roi {
+    /// Returns the rectangle of four numbers x, y, width and height, the last two above 0.
+    pub(crate) fn of(numbers: &[usize]) -> Option<Roi> {
+        match *numbers {
+            [x, y, width, height] if width > 0 && height > 0 => Some(Roi {
+                x,
+                y,
+                width,
+                height,
+            }),
+            _ => None,
+        }
+    }
+
     /// Returns whether the whole rectangle lies in a picture of `width` x `height` pixels.
     pub fn fits(&self, width: usize, height: usize) -> bool {
         let within = |first: usize, size: usize, whole| {

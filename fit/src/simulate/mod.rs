@@ -22,8 +22,8 @@ pub(crate) mod write;
 pub(crate) use error::Error;
 pub(crate) use noise::PixelNoise;
 pub use params::Params;
+pub(crate) use params::lobe;
 pub(crate) use params::{ByIncidence, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot};
-pub(crate) use params::{CAMERA, camera};
 pub(crate) use truth::Truth;
 #[cfg(test)]
 pub(crate) use write::run;

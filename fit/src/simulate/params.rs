@@ -1,111 +1,83 @@
 //! Parameters of a simulated campaign: the content of truth.json, as TOML. Lengths are in mm,
 //! angles in degrees.
 
-use crate::names::Kernel;
-use crate::names::LobeShape;
-use crate::names::Spectrum;
 use std::path::Path;
 
-use crate::document::Bounds;
-use crate::document::FileLine;
-use crate::document::{Document, NumberOrTable, Section};
+use serde::de::{Deserializer, Error as _, IgnoredAny};
+use serde::{Deserialize, Serialize, Serializer};
+use toml::{Spanned, Value};
+
+use crate::document::{Bounded, Bounds, Document, FileLine, Table, readers, table};
+use crate::document::{choice, finite, incidence, not_negative, positive, share, spectrum, turn};
+use crate::names::{Kernel, LobeShape, Spectrum};
 use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
 
-/// Keys and tables of the top level.
-const ROOT: [&str; 6] = ["seed", "tag", "camera", "truth", "reference", "capture"];
-/// Keys of the table `[camera]`.
-pub(crate) const CAMERA: [&str; 15] = [
-    "width",
-    "height",
-    "pixel_pitch_mm",
-    "seen_in_mirror",
-    "sigma_px",
-    "source_level",
-    "half_mirror_transmittance",
-    "half_mirror_reflectance",
-    "veil",
-    "dark_ratio",
-    "full_well_e",
-    "read_noise_e",
-    "bits",
-    "hot_share",
-    "jpeg_quality",
-];
-/// Keys of the table `[truth]`.
-const TRUTH: [&str; 9] = [
-    "kernel",
-    "lobe",
-    "wavelength_nm",
-    "refractive_index",
-    "ior",
-    "pair",
-    "a",
-    "c",
-    "mu",
-];
-/// Keys of the table `[reference]`.
-const REFERENCE: [&str; 8] = [
-    "edge_normal_deg",
-    "offset_px",
-    "exposure",
-    "light_to_right",
-    "light_to_bottom",
-    "vignetting",
-    "bow_px",
-    "ripple_px",
-];
-/// Keys of a table `[[capture]]`.
-const CAPTURE: [&str; 13] = [
-    "floating_distance_mm",
-    "path_mm",
-    "incidence_deg",
-    "azimuth_deg",
-    "tangential_axis_deg",
-    "edge_normal_deg",
-    "offset_px",
-    "exposure",
-    "light_to_right",
-    "light_to_bottom",
-    "vignetting",
-    "bow_px",
-    "ripple_px",
-];
+readers! {
+    seed = Bounds::new("a whole number, 0 or greater", |x| x >= 0.0);
+    index = Bounds::new("at least 1", |x| x >= 1.0);
+    size = Bounds::new("between 8 and 20000", |x| (8.0..=20_000.0).contains(&x));
+    lens = Bounds::new("between 0.1 and 100", |x| (0.1..=100.0).contains(&x));
+    ratio = Bounds::new("at least 0 and below 1", |x| (0.0..1.0).contains(&x));
+    bits = Bounds::new("between 1 and 24", |x| (1.0..=24.0).contains(&x));
+    hot = Bounds::new("at least 0 and at most 0.1", |x| (0.0..=0.1).contains(&x));
+    quality = Bounds::new("a whole number between 1 and 100", |x| {
+        (1.0..=100.0).contains(&x) && x.fract() == 0.0
+    });
+    gain = Bounds::new("between -0.5 and 0.5", |x| (-0.5..=0.5).contains(&x));
+    fall = Bounds::new("at least 0 and below 0.9", |x| (0.0..0.9).contains(&x));
+    bent = Bounds::new("between -10 and 10", |x| (-10.0..=10.0).contains(&x));
+}
 
 /// The camera, and the light that reaches it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct PlantedCamera {
     /// Number of columns.
+    #[serde(deserialize_with = "size")]
     pub width: usize,
     /// Number of rows.
+    #[serde(deserialize_with = "size")]
     pub height: usize,
     /// Side of a pixel in the plane of the mid-air image, mm.
+    #[serde(deserialize_with = "positive")]
     pub pixel_pitch_mm: f64,
     /// True if the camera sees the sheet in the half mirror: rows of the picture then run along
     /// the sagittal axis, else against it.
     pub seen_in_mirror: bool,
     /// Standard deviation of the lens blur, pixels, >= 0.1.
+    #[serde(deserialize_with = "lens")]
     pub sigma_px: f64,
     /// Bright level of the source at exposure 1, full scale 1.
+    #[serde(deserialize_with = "positive")]
     pub source_level: f64,
     /// Transmittance of the half mirror.
+    #[serde(deserialize_with = "share")]
     pub half_mirror_transmittance: f64,
     /// Reflectance of the half mirror.
+    #[serde(deserialize_with = "share")]
     pub half_mirror_reflectance: f64,
     /// Light that is added everywhere, after the exposure, full scale 1.
+    #[serde(deserialize_with = "not_negative")]
     pub veil: f64,
     /// Ratio of the source's dark level to its bright level.
+    #[serde(deserialize_with = "ratio")]
     pub dark_ratio: f64,
     /// Number of electrons at level 1.
+    #[serde(deserialize_with = "positive")]
     pub full_well_e: f64,
     /// Standard deviation of the read noise, electrons.
+    #[serde(deserialize_with = "not_negative")]
     pub read_noise_e: f64,
     /// Number of bits of the converter: levels are whole multiples of 1/(2^bits - 1).
+    #[serde(deserialize_with = "bits")]
     pub bits: u32,
     /// Share of the pixels that are at full scale whatever light they see.
+    #[serde(deserialize_with = "hot")]
     pub hot_share: f64,
     /// Quality of the JPEG as which photographs are saved, 1 to 100: 8 bits, sRGB-coded. `None`
     /// stands for EXR.
+    #[serde(deserialize_with = "jpeg_quality")]
     pub jpeg_quality: Option<u8>,
 }
 
@@ -131,14 +103,28 @@ impl ByIncidence {
     }
 }
 
+impl Serialize for ByIncidence {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            ByIncidence::Shared(value) => serializer.serialize_f64(*value),
+            ByIncidence::Table(entries) => serializer.collect_map(
+                entries
+                    .iter()
+                    .map(|(angle, value)| (angle.to_string(), value)),
+            ),
+        }
+    }
+}
+
 /// The sheet that is photographed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlantedSheet {
     /// Blur terms of the sheet.
     pub kernel: Kernel,
     /// Shape of the lobe.
     pub lobe: LobeShape,
     /// Wavelengths of the source. The kernel `wave` needs them.
+    #[serde(rename = "wavelength_nm")]
     pub spectrum: Option<Spectrum>,
     /// Refractive index behind the flat front face; 1 for hollow cubes.
     pub refractive_index: f64,
@@ -147,32 +133,44 @@ pub struct PlantedSheet {
     /// Diffraction spread: a in 1/mm, for `angular` A = a R without unit.
     pub a: ByIncidence,
     /// Corner size, mm.
+    #[serde(rename = "c")]
     pub c_mm: f64,
     /// Reflectance mu.
     pub mu: ByIncidence,
 }
 
 /// The edge in one photograph.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default = "source_edge", deny_unknown_fields)]
 pub struct PlantedEdge {
     /// Direction from dark to bright in the photograph, degrees from +x towards +y.
+    #[serde(rename = "edge_normal_deg", deserialize_with = "turn")]
     pub normal_deg: f64,
     /// Number of columns by which the edge lies left of the centre of the picture. It is counted
     /// along the rows for any normal: towards the dark side if the normal points right.
+    #[serde(deserialize_with = "finite")]
     pub offset_px: f64,
     /// Exposure relative to the reference.
+    #[serde(deserialize_with = "positive")]
     pub exposure: f64,
-    /// Uneven light: its increase from the middle of the picture to the right and to the lower
-    /// border, relative to the middle. The light varies linearly.
-    pub light: [f64; 2],
+    /// Uneven light: its increase from the middle of the picture to the right border, relative to
+    /// the middle. The light varies linearly.
+    #[serde(deserialize_with = "gain")]
+    pub light_to_right: f64,
+    /// Its increase to the lower border.
+    #[serde(deserialize_with = "gain")]
+    pub light_to_bottom: f64,
     /// Vignetting: the fall of the light from the middle of the picture to its corners, as
     /// cos^4 of the field angle.
+    #[serde(deserialize_with = "fall")]
     pub vignetting: f64,
     /// Height of the arc of a circle that the edge follows over the height of the picture, pixels;
     /// positive where its ends lie towards the bright side.
+    #[serde(deserialize_with = "bent")]
     pub bow_px: f64,
     /// Amplitude of a sinusoidal wave of the edge, one period over the height of the picture,
     /// pixels.
+    #[serde(deserialize_with = "bent")]
     pub ripple_px: f64,
 }
 
@@ -182,7 +180,8 @@ impl PlantedEdge {
         normal_deg: 4.0,
         offset_px: 0.0,
         exposure: 1.0,
-        light: [0.0; 2],
+        light_to_right: 0.0,
+        light_to_bottom: 0.0,
         vignetting: 0.0,
         bow_px: 0.0,
         ripple_px: 0.0,
@@ -190,19 +189,16 @@ impl PlantedEdge {
     /// A mid-air edge of a file that does not describe it.
     pub const AERIAL: PlantedEdge = PlantedEdge {
         normal_deg: 5.0,
-        offset_px: 0.0,
         exposure: 6.0,
-        light: [0.0; 2],
-        vignetting: 0.0,
-        bow_px: 0.0,
-        ripple_px: 0.0,
+        ..PlantedEdge::SOURCE
     };
 }
 
 /// One photograph of the mid-air edge.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlantedShot {
     /// The edge in the photograph.
+    #[serde(flatten)]
     pub edge: PlantedEdge,
     /// Floating distance, mm.
     pub floating_distance_mm: f64,
@@ -216,6 +212,7 @@ pub struct PlantedShot {
     pub tangential_axis_deg: f64,
     /// Shifts by polygon, each with its share of the arriving light, if a table gives them
     /// ([`Params::of_sheet`]). With `None` they are those of the ideal cube in closed form.
+    #[serde(skip)]
     pub shifts: Option<Vec<CubeShift>>,
 }
 
@@ -243,33 +240,154 @@ impl Params {
     /// the incidence of a capture, or a file without captures.
     pub fn load(file: &Path) -> Result<Params, Error> {
         let document = Document::read(file)?;
-        let table = document.parse()?;
-        let root = Section::root(&document, &table, &ROOT)?;
-        let seed = root.required("seed", root.whole("seed", 0)?)?;
-        let camera = camera(root.section("camera", &CAMERA)?.as_ref())?;
-        let truth = truth(&root.required("truth", root.section("truth", &TRUTH)?)?)?;
-        let reference = match root.section("reference", &REFERENCE)? {
-            Some(keys) => Some(edge(&keys, PlantedEdge::SOURCE)?),
-            None => Some(PlantedEdge::SOURCE),
-        };
+        let tables: Tables = document.parse()?;
+        let part = tables.truth.span();
+        let truth = tables.truth.into_inner().0.checked();
+        let truth = truth.map_err(|key| document.missing(part, key, "[truth]"))?;
         let mut captures = Vec::new();
-        for keys in root.sections("capture", &CAPTURE)? {
-            let shot = shot(&keys)?;
-            check_entries(&truth, &shot, keys.place())?;
+        for table in tables.capture {
+            let place = document.place(table.span());
+            let shot = PlantedShot::from(table.into_inner().0);
+            for (key, values) in [("a", &truth.a), ("mu", &truth.mu)] {
+                if values.at(shot.incidence_deg).is_none() {
+                    return Err(no_entry(place, key, shot.incidence_deg));
+                }
+            }
             captures.push(shot);
         }
         if captures.is_empty() {
-            return Err(Error::NoCaptures {
-                file: file.to_owned(),
-            });
+            let none = "has no [[capture]]; add one for each photograph of the mid-air image";
+            return Err(document.error(none).into());
         }
         Ok(Params {
-            seed,
-            camera,
+            seed: tables.seed,
+            camera: tables.camera,
             truth,
-            reference,
+            reference: Some(tables.reference),
             captures,
         })
+    }
+}
+
+/// Makes the error of a table by incidence that lacks the incidence of a capture.
+pub(super) fn no_entry(capture: FileLine, key: &str, incidence_deg: f64) -> Error {
+    let why =
+        format!("incidence {incidence_deg} has no entry in the table `{key}` of [truth]; add it");
+    capture.error(why).into()
+}
+
+/// A parameter file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Tables {
+    #[serde(deserialize_with = "seed")]
+    seed: u64,
+    #[serde(default, rename = "tag")]
+    _tag: IgnoredAny,
+    #[serde(default, deserialize_with = "table")]
+    camera: PlantedCamera,
+    truth: Spanned<Table<TruthTable>>,
+    #[serde(default = "source_edge", deserialize_with = "table")]
+    reference: PlantedEdge,
+    #[serde(default)]
+    capture: Vec<Spanned<Table<CaptureTable>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TruthTable {
+    #[serde(deserialize_with = "kernel")]
+    kernel: Kernel,
+    #[serde(default, deserialize_with = "lobe")]
+    lobe: LobeShape,
+    #[serde(default, deserialize_with = "spectrum")]
+    wavelength_nm: Option<Spectrum>,
+    #[serde(default, alias = "ior", deserialize_with = "index")]
+    refractive_index: Option<f64>,
+    pair: Option<bool>,
+    #[serde(default, deserialize_with = "positive")]
+    a: Option<ByIncidence>,
+    #[serde(default, deserialize_with = "positive")]
+    c: Option<f64>,
+    #[serde(deserialize_with = "positive")]
+    mu: ByIncidence,
+}
+
+impl TruthTable {
+    /// Returns the sheet, or the key that its kernel needs and that is missing.
+    fn checked(self) -> Result<PlantedSheet, &'static str> {
+        let kernel = self.kernel;
+        if kernel == Kernel::Wave && self.wavelength_nm.is_none() {
+            return Err("wavelength_nm");
+        }
+        // A parameter that the kernel does not have need not be given.
+        let a = (!kernel.has_lobe()).then_some(ByIncidence::Shared(1.0));
+        let c_mm = (!kernel.has_c()).then_some(1.0);
+        Ok(PlantedSheet {
+            kernel,
+            lobe: self.lobe,
+            spectrum: self.wavelength_nm,
+            refractive_index: self.refractive_index.unwrap_or(1.0),
+            pair: self.pair.unwrap_or(true),
+            a: self.a.or(a).ok_or("a")?,
+            c_mm: self.c.or(c_mm).ok_or("c")?,
+            mu: self.mu,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CaptureTable {
+    #[serde(deserialize_with = "positive")]
+    floating_distance_mm: f64,
+    #[serde(default, deserialize_with = "positive")]
+    path_mm: Option<f64>,
+    #[serde(deserialize_with = "incidence")]
+    incidence_deg: f64,
+    #[serde(default, deserialize_with = "turn")]
+    azimuth_deg: f64,
+    #[serde(default, deserialize_with = "turn")]
+    tangential_axis_deg: f64,
+    #[serde(default, deserialize_with = "turn")]
+    edge_normal_deg: Option<f64>,
+    #[serde(default, deserialize_with = "finite")]
+    offset_px: f64,
+    #[serde(default, deserialize_with = "positive")]
+    exposure: Option<f64>,
+    #[serde(default, deserialize_with = "gain")]
+    light_to_right: f64,
+    #[serde(default, deserialize_with = "gain")]
+    light_to_bottom: f64,
+    #[serde(default, deserialize_with = "fall")]
+    vignetting: f64,
+    #[serde(default, deserialize_with = "bent")]
+    bow_px: f64,
+    #[serde(default, deserialize_with = "bent")]
+    ripple_px: f64,
+}
+
+impl From<CaptureTable> for PlantedShot {
+    fn from(table: CaptureTable) -> PlantedShot {
+        let usual = PlantedEdge::AERIAL;
+        PlantedShot {
+            edge: PlantedEdge {
+                normal_deg: table.edge_normal_deg.unwrap_or(usual.normal_deg),
+                offset_px: table.offset_px,
+                exposure: table.exposure.unwrap_or(usual.exposure),
+                light_to_right: table.light_to_right,
+                light_to_bottom: table.light_to_bottom,
+                vignetting: table.vignetting,
+                bow_px: table.bow_px,
+                ripple_px: table.ripple_px,
+            },
+            floating_distance_mm: table.floating_distance_mm,
+            path_mm: table.path_mm,
+            incidence_deg: table.incidence_deg,
+            azimuth_deg: table.azimuth_deg,
+            tangential_axis_deg: table.tangential_axis_deg,
+            shifts: None,
+        }
     }
 }
 
@@ -296,190 +414,43 @@ impl Default for PlantedCamera {
     }
 }
 
-/// Reads the table `[camera]`. Keys that are missing have the values of the default camera.
-pub(crate) fn camera(keys: Option<&Section<'_>>) -> Result<PlantedCamera, Error> {
-    const SIZE: Bounds = Bounds {
-        words: "between 8 and 20000",
-        holds: |x| (8.0..=20_000.0).contains(&x),
-    };
-    const LENS: Bounds = Bounds {
-        words: "between 0.1 and 100",
-        holds: |x| (0.1..=100.0).contains(&x),
-    };
-    const RATIO: Bounds = Bounds {
-        words: "at least 0 and below 1",
-        holds: |x| (0.0..1.0).contains(&x),
-    };
-    const BITS: Bounds = Bounds {
-        words: "between 1 and 24",
-        holds: |x| (1.0..=24.0).contains(&x),
-    };
-    const HOT: Bounds = Bounds {
-        words: "at least 0 and at most 0.1",
-        holds: |x| (0.0..=0.1).contains(&x),
-    };
-    const QUALITY: Bounds = Bounds {
-        words: "a whole number between 1 and 100",
-        holds: |x| (1.0..=100.0).contains(&x) && x.fract() == 0.0,
-    };
-    let default = PlantedCamera::default();
-    let Some(keys) = keys else { return Ok(default) };
-    let number =
-        |key, bounds, default| Ok::<f64, Error>(keys.number(key, bounds)?.unwrap_or(default));
-    let whole = |key, bounds: Bounds, default: u64| {
-        keys.whole(key, 1)?;
-        Ok::<u64, Error>(
-            keys.number(key, bounds)?
-                .map_or(default, |value| value as u64),
-        )
-    };
-    Ok(PlantedCamera {
-        width: whole("width", SIZE, default.width as u64)? as usize,
-        height: whole("height", SIZE, default.height as u64)? as usize,
-        pixel_pitch_mm: number("pixel_pitch_mm", Bounds::POSITIVE, default.pixel_pitch_mm)?,
-        seen_in_mirror: keys.flag("seen_in_mirror")?.unwrap_or(false),
-        sigma_px: number("sigma_px", LENS, default.sigma_px)?,
-        source_level: number("source_level", Bounds::POSITIVE, default.source_level)?,
-        half_mirror_transmittance: number(
-            "half_mirror_transmittance",
-            Bounds::SHARE,
-            default.half_mirror_transmittance,
-        )?,
-        half_mirror_reflectance: number(
-            "half_mirror_reflectance",
-            Bounds::SHARE,
-            default.half_mirror_reflectance,
-        )?,
-        veil: number("veil", Bounds::NOT_NEGATIVE, default.veil)?,
-        dark_ratio: number("dark_ratio", RATIO, default.dark_ratio)?,
-        full_well_e: number("full_well_e", Bounds::POSITIVE, default.full_well_e)?,
-        read_noise_e: number("read_noise_e", Bounds::NOT_NEGATIVE, default.read_noise_e)?,
-        bits: whole("bits", BITS, default.bits.into())? as u32,
-        hot_share: number("hot_share", HOT, default.hot_share)?,
-        jpeg_quality: keys
-            .number("jpeg_quality", QUALITY)?
-            .map(|quality| quality as u8),
-    })
+fn source_edge() -> PlantedEdge {
+    PlantedEdge::SOURCE
 }
 
-fn truth(keys: &Section<'_>) -> Result<PlantedSheet, Error> {
-    const INDEX: Bounds = Bounds {
-        words: "at least 1",
-        holds: |x| x >= 1.0,
-    };
-    let kernel = keys.required(
-        "kernel",
-        keys.choice("kernel", &Kernel::NAMES, Kernel::from_name)?,
-    )?;
-    let lobe = keys
-        .choice("lobe", &LobeShape::NAMES, LobeShape::from_name)?
-        .unwrap_or(LobeShape::Radial);
-    // A parameter that the kernel does not have need not be given.
-    let a = match kernel {
-        Kernel::Shift | Kernel::Wave => {
-            by_incidence(keys, "a")?.unwrap_or(ByIncidence::Shared(1.0))
-        }
-        _ => keys.required("a", by_incidence(keys, "a")?)?,
-    };
-    let c_mm = match kernel {
-        Kernel::Lobe => keys.number("c", Bounds::POSITIVE)?.unwrap_or(1.0),
-        _ => keys.required("c", keys.number("c", Bounds::POSITIVE)?)?,
-    };
-    let spectrum = keys.spectrum()?;
-    if kernel == Kernel::Wave {
-        keys.required("wavelength_nm", spectrum.as_ref())?;
+fn kernel<'de, D: Deserializer<'de>>(value: D) -> Result<Kernel, D::Error> {
+    choice(value, &Kernel::NAMES, Kernel::from_name)
+}
+
+pub(crate) fn lobe<'de, D: Deserializer<'de>>(value: D) -> Result<LobeShape, D::Error> {
+    choice(value, &LobeShape::NAMES, LobeShape::from_name)
+}
+
+fn jpeg_quality<'de, D: Deserializer<'de>>(value: D) -> Result<Option<u8>, D::Error> {
+    quality(value).map(|quality: f64| Some(quality as u8))
+}
+
+/// A number, or a table of numbers by incidence.
+impl Bounded for ByIncidence {
+    fn within<'de, D: Deserializer<'de>>(value: D, bounds: Bounds) -> Result<Self, D::Error> {
+        let number = |value: &Value| {
+            let number = value.as_float().or(value.as_integer().map(|n| n as f64));
+            let wrong = "must be a number or a table of numbers; change the value";
+            bounds.checked(number.ok_or_else(|| D::Error::custom(wrong))?)
+        };
+        let value = Value::deserialize(value)?;
+        let Value::Table(entries) = value else {
+            return number(&value).map(ByIncidence::Shared);
+        };
+        let entry = |(name, value): (&String, &Value)| match name.parse::<f64>() {
+            Ok(angle) if angle.is_finite() => Ok((angle, number(value)?)),
+            _ => Err(D::Error::custom(format!(
+                "has the entry `{name}`, which is not an incidence in degrees; write it as \"15\" \
+                or \"22.5\""
+            ))),
+        };
+        let mut table: Vec<_> = entries.iter().map(entry).collect::<Result<_, _>>()?;
+        table.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(ByIncidence::Table(table))
     }
-    Ok(PlantedSheet {
-        kernel,
-        lobe,
-        spectrum,
-        refractive_index: keys.number("refractive_index", INDEX)?.unwrap_or(1.0),
-        pair: keys.flag("pair")?.unwrap_or(true),
-        a,
-        c_mm,
-        mu: keys.required("mu", by_incidence(keys, "mu")?)?,
-    })
-}
-
-fn by_incidence(keys: &Section<'_>, key: &'static str) -> Result<Option<ByIncidence>, Error> {
-    match keys.number_or_table(key, Bounds::POSITIVE)? {
-        None => Ok(None),
-        Some(NumberOrTable::Number(value)) => Ok(Some(ByIncidence::Shared(value))),
-        Some(NumberOrTable::Table(entries)) => {
-            let angle = |(name, value): (String, f64)| match name.parse::<f64>() {
-                Ok(angle) if angle.is_finite() => Ok((angle, value)),
-                _ => Err(Error::EntryName {
-                    place: keys.place_of(key),
-                    key,
-                    name,
-                }),
-            };
-            let mut table = entries
-                .into_iter()
-                .map(angle)
-                .collect::<Result<Vec<_>, _>>()?;
-            table.sort_by(|a, b| a.0.total_cmp(&b.0));
-            Ok(Some(ByIncidence::Table(table)))
-        }
-    }
-}
-
-fn edge(keys: &Section<'_>, default: PlantedEdge) -> Result<PlantedEdge, Error> {
-    const GAIN: Bounds = Bounds {
-        words: "between -0.5 and 0.5",
-        holds: |x| (-0.5..=0.5).contains(&x),
-    };
-    const FALL: Bounds = Bounds {
-        words: "at least 0 and below 0.9",
-        holds: |x| (0.0..0.9).contains(&x),
-    };
-    const BENT: Bounds = Bounds {
-        words: "between -10 and 10",
-        holds: |x| (-10.0..=10.0).contains(&x),
-    };
-    let gain = |key| Ok::<f64, Error>(keys.number(key, GAIN)?.unwrap_or(0.0));
-    Ok(PlantedEdge {
-        light: [gain("light_to_right")?, gain("light_to_bottom")?],
-        vignetting: keys.number("vignetting", FALL)?.unwrap_or(0.0),
-        bow_px: keys.number("bow_px", BENT)?.unwrap_or(0.0),
-        ripple_px: keys.number("ripple_px", BENT)?.unwrap_or(0.0),
-        normal_deg: keys
-            .number("edge_normal_deg", Bounds::TURN)?
-            .unwrap_or(default.normal_deg),
-        offset_px: keys
-            .number("offset_px", Bounds::FINITE)?
-            .unwrap_or(default.offset_px),
-        exposure: keys
-            .number("exposure", Bounds::POSITIVE)?
-            .unwrap_or(default.exposure),
-    })
-}
-
-fn shot(keys: &Section<'_>) -> Result<PlantedShot, Error> {
-    let distance = keys.number("floating_distance_mm", Bounds::POSITIVE)?;
-    let incidence = keys.number("incidence_deg", Bounds::INCIDENCE)?;
-    Ok(PlantedShot {
-        edge: edge(keys, PlantedEdge::AERIAL)?,
-        floating_distance_mm: keys.required("floating_distance_mm", distance)?,
-        path_mm: keys.number("path_mm", Bounds::POSITIVE)?,
-        incidence_deg: keys.required("incidence_deg", incidence)?,
-        azimuth_deg: keys.number("azimuth_deg", Bounds::TURN)?.unwrap_or(0.0),
-        tangential_axis_deg: keys
-            .number("tangential_axis_deg", Bounds::TURN)?
-            .unwrap_or(0.0),
-        shifts: None,
-    })
-}
-
-fn check_entries(truth: &PlantedSheet, shot: &PlantedShot, place: &FileLine) -> Result<(), Error> {
-    for (key, values) in [("a", &truth.a), ("mu", &truth.mu)] {
-        if values.at(shot.incidence_deg).is_none() {
-            return Err(Error::NoEntry {
-                place: place.clone(),
-                key,
-                incidence_deg: shot.incidence_deg,
-            });
-        }
-    }
-    Ok(())
 }

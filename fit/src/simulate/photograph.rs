@@ -22,7 +22,7 @@ use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
 use crate::simulate::jpeg;
 use crate::simulate::noise::PixelNoise;
-use crate::simulate::params::{ByIncidence, Params, PlantedCamera, PlantedEdge};
+use crate::simulate::params::{ByIncidence, Params, PlantedCamera, PlantedEdge, no_entry};
 use crate::simulate::profile::{EdgeBlur, EdgeProfile, STEPS_PER_PIXEL, Spread};
 
 /// Returns the light on each pixel without noise, rounding or clipping, full scale 1, row-major.
@@ -31,7 +31,7 @@ use crate::simulate::profile::{EdgeBlur, EdgeProfile, STEPS_PER_PIXEL, Spread};
 /// reference). The values are accurate to 1e-6 of the contrast.
 ///
 /// # Errors
-/// Returns [`Error::NoEntry`] if a table by incidence lacks the incidence of the capture (never
+/// Returns [`Error::Params`] if a table by incidence lacks the incidence of the capture (never
 /// after [`Params::load`]), and [`Error::Unplanted`] if the kernel or the lobe is that of a
 /// baseline.
 ///
@@ -63,7 +63,7 @@ pub(crate) fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, E
     let bent = edge.bow_px.abs() + edge.ripple_px.abs();
     let reach_mm = (centre_x.hypot(centre_y) + edge.offset_px.abs() + bent) * pitch;
     let profile = EdgeProfile::new(&blur, reach_mm, STEPS_PER_PIXEL);
-    let [to_right, to_bottom] = edge.light;
+    let (to_right, to_bottom) = (edge.light_to_right, edge.light_to_bottom);
     let level = |(x, y): (usize, usize)| {
         let share = camera.dark_ratio + (1.0 - camera.dark_ratio) * profile.at(distance_mm(x, y));
         let light = 1.0
@@ -119,7 +119,7 @@ fn nearest(edge: &PlantedEdge, length: f64, across: f64, along: f64) -> f64 {
 /// parameters and `index` alone.
 ///
 /// # Errors
-/// Returns [`Error::NoEntry`] if a table by incidence lacks the incidence of the capture (never
+/// Returns [`Error::Params`] if a table by incidence lacks the incidence of the capture (never
 /// after [`Params::load`]), and [`Error::Unplanted`] if the kernel or the lobe is that of a
 /// baseline.
 ///
@@ -177,13 +177,9 @@ fn source_blur(camera: &PlantedCamera, edge: &PlantedEdge) -> EdgeBlur {
 fn aerial_blur(params: &Params, index: usize) -> Result<(EdgeBlur, f64), Error> {
     let (camera, truth, shot) = (&params.camera, &params.truth, &params.captures[index]);
     let look_up = |key: &'static str, values: &ByIncidence| {
-        values.at(shot.incidence_deg).ok_or_else(|| Error::NoEntry {
-            place: FileLine {
-                file: "parameters".into(),
-                line: index + 1,
-            },
-            key,
-            incidence_deg: shot.incidence_deg,
+        values.at(shot.incidence_deg).ok_or_else(|| {
+            let (file, line) = ("parameters".into(), index + 1);
+            no_entry(FileLine { file, line }, key, shot.incidence_deg)
         })
     };
     let (a, mu) = (look_up("a", &truth.a)?, look_up("mu", &truth.mu)?);

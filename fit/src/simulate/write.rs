@@ -10,12 +10,12 @@ use std::path::{Path, PathBuf};
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage,
 };
-use serde_json::{Value, json};
+use serde_json::json;
 use tempfile::TempDir;
 
 use crate::simulate::error::Error;
 use crate::simulate::jpeg;
-use crate::simulate::params::{ByIncidence, Params, PlantedShot};
+use crate::simulate::params::{Params, PlantedShot};
 use crate::simulate::photograph::photograph;
 
 /// Name of the manifest.
@@ -43,8 +43,8 @@ pub(crate) struct Report {
 ///
 /// # Errors
 /// Returns [`Error::NotEmpty`] if the folder holds anything and `force` is not set,
-/// [`Error::Write`] or [`Error::WriteExr`] if a file or folder cannot be written, and
-/// [`Error::NoEntry`] or [`Error::Unplanted`] for parameters built in code that cannot be
+/// [`Error::Write`] if a file or folder cannot be written, and
+/// [`Error::Params`] or [`Error::Unplanted`] for parameters built in code that cannot be
 /// simulated.
 pub(crate) fn run(params: &Params, folder: &Path, force: bool) -> Result<Report, Error> {
     let cannot = |file: &Path| {
@@ -157,15 +157,14 @@ fn save(
         Encoding::SMALL_LOSSLESS,
         channels,
     );
-    let cannot = |source| Error::WriteExr {
-        file: file.to_owned(),
-        source,
-    };
-    Image::from_layer(layer)
+    let written = Image::from_layer(layer)
         .write()
         .non_parallel()
-        .to_file(file)
-        .map_err(cannot)
+        .to_file(file);
+    written.map_err(|source| Error::Write {
+        file: file.to_owned(),
+        source: std::io::Error::other(source),
+    })
 }
 
 /// Returns the extension of the photographs.
@@ -240,68 +239,13 @@ fn manifest(params: &Params) -> String {
 }
 
 fn truth(params: &Params) -> String {
-    let by_incidence = |values: &ByIncidence| match values {
-        ByIncidence::Shared(value) => json!(value),
-        ByIncidence::Table(entries) => Value::Object(
-            entries
-                .iter()
-                .map(|(angle, value)| (angle.to_string(), json!(value)))
-                .collect(),
-        ),
-    };
-    let (camera, truth) = (&params.camera, &params.truth);
-    let captures: Vec<Value> = params
-        .captures
-        .iter()
-        .map(|shot| {
-            json!({
-                "floating_distance_mm": shot.floating_distance_mm,
-                "path_mm": shot.path_mm,
-                "incidence_deg": shot.incidence_deg,
-                "azimuth_deg": shot.azimuth_deg,
-                "tangential_axis_deg": shot.tangential_axis_deg,
-                "edge_normal_deg": shot.edge.normal_deg,
-                "offset_px": shot.edge.offset_px,
-                "exposure": shot.edge.exposure,
-                "light_to_right": shot.edge.light[0],
-                "light_to_bottom": shot.edge.light[1],
-                "vignetting": shot.edge.vignetting,
-                "bow_px": shot.edge.bow_px,
-                "ripple_px": shot.edge.ripple_px,
-            })
-        })
-        .collect();
+    let mut truth = json!(params.truth);
+    truth["ior"] = json!(params.truth.refractive_index); // the name of 0.1
     let document = json!({
         "seed": params.seed,
-        "camera": {
-            "width": camera.width,
-            "height": camera.height,
-            "pixel_pitch_mm": camera.pixel_pitch_mm,
-            "seen_in_mirror": camera.seen_in_mirror,
-            "sigma_px": camera.sigma_px,
-            "source_level": camera.source_level,
-            "half_mirror_transmittance": camera.half_mirror_transmittance,
-            "half_mirror_reflectance": camera.half_mirror_reflectance,
-            "veil": camera.veil,
-            "dark_ratio": camera.dark_ratio,
-            "full_well_e": camera.full_well_e,
-            "read_noise_e": camera.read_noise_e,
-            "bits": camera.bits,
-            "hot_share": camera.hot_share,
-            "jpeg_quality": camera.jpeg_quality,
-        },
-        "truth": {
-            "kernel": truth.kernel.name(),
-            "lobe": truth.lobe.name(),
-            "wavelength_nm": truth.spectrum.as_ref().map(ToString::to_string),
-            "refractive_index": truth.refractive_index,
-            "ior": truth.refractive_index, // the name of 0.1
-            "pair": truth.pair,
-            "a": by_incidence(&truth.a),
-            "c": truth.c_mm,
-            "mu": by_incidence(&truth.mu),
-        },
-        "captures": captures,
+        "camera": params.camera,
+        "truth": truth,
+        "captures": params.captures,
     });
     format!("{document:#}\n")
 }

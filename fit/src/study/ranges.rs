@@ -3,46 +3,17 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use serde::{Deserialize, Deserializer};
 use tables::Table;
 
-use crate::document::Bounds;
-use crate::document::{Document, Section};
-use crate::names::Kernel;
-use crate::names::LobeShape;
-use crate::names::Spectrum;
+use crate::document::{Bounds, Document, readers, table};
+use crate::document::{choices, positive, share, spectrum};
+use crate::names::{Kernel, LobeShape, Spectrum};
 use crate::simulate::Error;
 use crate::simulate::PixelNoise;
 use crate::simulate::cell;
-use crate::simulate::{
-    ByIncidence, CAMERA, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
-};
-
-const ROOT: [&str; 24] = [
-    "refractive_index",
-    "ior",
-    "pair",
-    "lobe",
-    "a_per_mm",
-    "c_mm",
-    "mu",
-    "photographs",
-    "electrons",
-    "floating_distance_mm",
-    "distance_mm",
-    "light",
-    "vignetting",
-    "bow_px",
-    "ripple_px",
-    "veil",
-    "hot_share",
-    "bits",
-    "jpeg_quality",
-    "kernels",
-    "wavelength_nm",
-    "a_fall",
-    "mu_fall",
-    "camera",
-];
+use crate::simulate::lobe;
+use crate::simulate::{ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot};
 
 /// Bright plateau of each mid-air photograph, where full scale is 1.
 const BRIGHT: f64 = 0.8;
@@ -53,86 +24,86 @@ const TILT_DEG: [f64; 2] = [4.0, 40.0];
 /// Smallest retroreflected fraction at which a direction of the table is photographed.
 const LEAST_ETA: f64 = 0.02;
 
-const INDEX: Bounds = Bounds {
-    words: "at least 1",
-    holds: |x| x >= 1.0,
-};
-const COUNT: Bounds = Bounds {
-    words: "between 1 and 1000",
-    holds: |x| (1.0..=1000.0).contains(&x),
-};
-const GAIN: Bounds = Bounds {
-    words: "greater than 0 and at most 0.5",
-    holds: |x| x > 0.0 && x <= 0.5,
-};
-const BENT: Bounds = Bounds {
-    words: "greater than 0 and at most 10",
-    holds: |x| x > 0.0 && x <= 10.0,
-};
-const VEIL: Bounds = Bounds {
-    words: "greater than 0 and at most 0.15",
-    holds: |x| x > 0.0 && x <= 0.15,
-};
-const HOT: Bounds = Bounds {
-    words: "greater than 0 and at most 0.1",
-    holds: |x| x > 0.0 && x <= 0.1,
-};
-const BITS: Bounds = Bounds {
-    words: "between 8 and 24",
-    holds: |x| (8.0..=24.0).contains(&x),
-};
-const QUALITY: Bounds = Bounds {
-    words: "between 1 and 100",
-    holds: |x| (1.0..=100.0).contains(&x),
-};
+readers! {
+    index = Bounds::new("at least 1", |x| x >= 1.0);
+    count = Bounds::new("between 1 and 1000", |x| (1.0..=1000.0).contains(&x));
+    gain = Bounds::new("greater than 0 and at most 0.5", |x| x > 0.0 && x <= 0.5);
+    bent = Bounds::new("greater than 0 and at most 10", |x| x > 0.0 && x <= 10.0);
+    veil = Bounds::new("greater than 0 and at most 0.15", |x| x > 0.0 && x <= 0.15);
+    hot = Bounds::new("greater than 0 and at most 0.1", |x| x > 0.0 && x <= 0.1);
+    bits = Bounds::new("between 8 and 24", |x| (8.0..=24.0).contains(&x));
+    quality = Bounds::new("between 1 and 100", |x| (1.0..=100.0).contains(&x));
+}
 
 /// Ranges from which campaigns are drawn, each as its two ends and evenly in the logarithm.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Ranges {
     /// Refractive index behind the flat front; 1 for hollow cubes.
+    #[serde(alias = "ior", deserialize_with = "index")]
     pub refractive_index: f64,
     /// True for a cell of a pair of cubes, false for a single cube.
     pub pair: bool,
     /// Shape of the lobe.
+    #[serde(deserialize_with = "lobe")]
     pub lobe: LobeShape,
     /// Diffraction spread a, 1/mm.
+    #[serde(deserialize_with = "positive")]
     pub a_per_mm: [f64; 2],
     /// Edge length c of the cubes, mm.
+    #[serde(deserialize_with = "positive")]
     pub c_mm: [f64; 2],
     /// Reflectance mu.
+    #[serde(deserialize_with = "share")]
     pub mu: [f64; 2],
     /// Number of photographs of a campaign without the reference.
+    #[serde(deserialize_with = "count")]
     pub photographs: [f64; 2],
     /// Number of electrons at full scale.
+    #[serde(deserialize_with = "positive")]
     pub electrons: [f64; 2],
     /// Floating distance, mm.
+    #[serde(alias = "distance_mm", deserialize_with = "positive")]
     pub floating_distance_mm: [f64; 2],
     /// Uneven light: relative gain from the middle to the border of a photograph, in a random
     /// direction for each photograph. The light is even if this is `None`.
+    #[serde(deserialize_with = "gain")]
     pub light: Option<[f64; 2]>,
     /// Vignetting: fall of the light to the corners of each photograph, relative to the middle.
+    #[serde(deserialize_with = "gain")]
     pub vignetting: Option<[f64; 2]>,
     /// Height of the arc that the edge of each photograph follows, pixels, of either sign.
+    #[serde(deserialize_with = "bent")]
     pub bow_px: Option<[f64; 2]>,
     /// Amplitude of a sinusoidal wave of each edge, pixels.
+    #[serde(deserialize_with = "bent")]
     pub ripple_px: Option<[f64; 2]>,
     /// Light that is added everywhere, full scale 1.
+    #[serde(deserialize_with = "veil")]
     pub veil: Option<[f64; 2]>,
     /// Share of the pixels that are at full scale whatever light they see.
+    #[serde(deserialize_with = "hot")]
     pub hot_share: Option<[f64; 2]>,
     /// Bits of the converter.
+    #[serde(deserialize_with = "bits")]
     pub bits: Option<[f64; 2]>,
     /// Quality of the JPEG as which the photographs are saved. They are not if this is `None`.
+    #[serde(deserialize_with = "quality")]
     pub jpeg_quality: Option<[f64; 2]>,
     /// Kernels of [`Ranges::open_campaign`], all with equal probability.
+    #[serde(deserialize_with = "kernels")]
     pub kernels: Vec<Kernel>,
     /// Wavelengths of the source, for the `wave` kernel.
+    #[serde(rename = "wavelength_nm", deserialize_with = "spectrum")]
     pub spectrum: Option<Spectrum>,
     /// Fall of ln a from 0 to 45 degrees, in campaigns with one a per incidence.
+    #[serde(deserialize_with = "positive")]
     pub a_fall: [f64; 2],
     /// Fall of ln mu from 0 to 45 degrees, in campaigns with one mu per incidence.
+    #[serde(deserialize_with = "positive")]
     pub mu_fall: [f64; 2],
     /// Camera, except for its full well, which is drawn.
+    #[serde(deserialize_with = "table")]
     pub camera: PlantedCamera,
 }
 
@@ -177,55 +148,13 @@ impl Ranges {
     /// Returns the first fault of the file, with its line.
     pub fn load(file: &Path) -> Result<Ranges, Error> {
         let document = Document::read(file)?;
-        let table = document.parse()?;
-        let root = Section::root(&document, &table, &ROOT)?;
-        let default = Ranges::default();
-        let own = root.section("camera", &CAMERA)?;
-        let range = |key, bounds, default| {
-            Ok::<_, Error>(named_range(&root, key, bounds)?.unwrap_or(default))
-        };
-        let kernels = root
-            .choices("kernels", &Kernel::NAMES, Kernel::from_name)?
-            .unwrap_or(default.kernels);
-        let spectrum = root.spectrum()?;
-        if kernels.contains(&Kernel::Wave) {
-            root.required("wavelength_nm", spectrum.as_ref())?;
+        let ranges: Ranges = document.parse()?;
+        if ranges.kernels.contains(&Kernel::Wave) && ranges.spectrum.is_none() {
+            return Err(document
+                .missing(0..0, "wavelength_nm", "the top level")
+                .into());
         }
-        Ok(Ranges {
-            refractive_index: root
-                .number("refractive_index", INDEX)?
-                .unwrap_or(default.refractive_index),
-            pair: root.flag("pair")?.unwrap_or(default.pair),
-            lobe: root
-                .choice("lobe", &LobeShape::NAMES, LobeShape::from_name)?
-                .unwrap_or(default.lobe),
-            a_per_mm: range("a_per_mm", Bounds::POSITIVE, default.a_per_mm)?,
-            c_mm: range("c_mm", Bounds::POSITIVE, default.c_mm)?,
-            mu: range("mu", Bounds::SHARE, default.mu)?,
-            photographs: range("photographs", COUNT, default.photographs)?,
-            electrons: range("electrons", Bounds::POSITIVE, default.electrons)?,
-            floating_distance_mm: range(
-                "floating_distance_mm",
-                Bounds::POSITIVE,
-                default.floating_distance_mm,
-            )?,
-            light: named_range(&root, "light", GAIN)?,
-            vignetting: named_range(&root, "vignetting", GAIN)?,
-            bow_px: named_range(&root, "bow_px", BENT)?,
-            ripple_px: named_range(&root, "ripple_px", BENT)?,
-            veil: named_range(&root, "veil", VEIL)?,
-            hot_share: named_range(&root, "hot_share", HOT)?,
-            bits: named_range(&root, "bits", BITS)?,
-            jpeg_quality: named_range(&root, "jpeg_quality", QUALITY)?,
-            kernels,
-            spectrum,
-            a_fall: range("a_fall", Bounds::POSITIVE, default.a_fall)?,
-            mu_fall: range("mu_fall", Bounds::POSITIVE, default.mu_fall)?,
-            camera: match &own {
-                Some(keys) => crate::simulate::camera(Some(keys))?,
-                None => default.camera,
-            },
-        })
+        Ok(ranges)
     }
 
     /// Returns the directions of a table that these campaigns photograph: incidence and azimuth,
@@ -330,7 +259,8 @@ impl Ranges {
         for edge in captures.chain(&mut params.reference) {
             if let Some(range) = self.light {
                 let (gain, turn) = (log(light, range), TAU * light.uniform());
-                edge.light = [gain * turn.cos(), gain * turn.sin()];
+                edge.light_to_right = gain * turn.cos();
+                edge.light_to_bottom = gain * turn.sin();
             }
             if let Some(range) = self.vignetting {
                 edge.vignetting = log(vignetting, range);
@@ -383,24 +313,6 @@ fn log(draw: &mut PixelNoise, [low, high]: [f64; 2]) -> f64 {
     low * (high / low).powf(draw.uniform())
 }
 
-/// Reads `key = { from = ..., to = ... }`; `None` if the key is left out.
-fn named_range(
-    root: &Section<'_>,
-    key: &'static str,
-    bounds: Bounds,
-) -> Result<Option<[f64; 2]>, Error> {
-    let Some(keys) = root.section(key, &["from", "to"])? else {
-        return Ok(None);
-    };
-    let from = keys.required("from", keys.number("from", bounds)?)?;
-    let to = keys.required("to", keys.number("to", bounds)?)?;
-    if from > to {
-        return Err(Error::Range {
-            place: keys.place().clone(),
-            key,
-            from,
-            to,
-        });
-    }
-    Ok(Some([from, to]))
+fn kernels<'de, D: Deserializer<'de>>(value: D) -> Result<Vec<Kernel>, D::Error> {
+    choices(value, &Kernel::NAMES, Kernel::from_name)
 }

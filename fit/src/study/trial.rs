@@ -209,7 +209,7 @@ pub(crate) fn campaign(params: &Params, accepted: &[Accepted]) -> Campaign {
 pub(crate) fn source(
     params: &Params,
     photograph: impl Fn(&Params, Option<usize>) -> Result<Vec<f32>, simulate::error::Error> + Sync,
-) -> impl Fn(&captures::Shot) -> Result<Photo, captures::error::Error> + Sync {
+) -> impl Fn(&captures::Shot) -> Result<Photo, captures::Error> + Sync {
     move |shot| {
         let index = shot.image.to_str().and_then(|name| name.parse().ok());
         Ok(Photo {

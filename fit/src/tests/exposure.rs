@@ -126,7 +126,7 @@ fn campaign(
     reference: (&str, Vec<u8>),
     capture: (&str, Vec<u8>),
     keys: &str,
-) -> Result<Campaign, captures::error::Error> {
+) -> Result<Campaign, captures::Error> {
     for (name, bytes) in [&reference, &capture] {
         std::fs::write(folder.join(name), bytes).unwrap();
     }

@@ -106,7 +106,7 @@ fn uneven_light_is_drawn_and_the_pixels_mu_holds() {
                 params
                     .captures
                     .iter()
-                    .all(|shot| shot.edge.light != [0.0; 2])
+                    .all(|shot| shot.edge.light_to_right != 0.0)
             );
             let trial = trial::run(&params, index, &table).expect("the edges are visible");
             trial
@@ -201,7 +201,16 @@ fn ranges_are_read() {
             "ior = 1.5\nc_mm = { from = 0.5, to = 0.05 }\n",
             ":2: `c_mm` goes from 0.5 to 0.05",
         ),
-        ("mu = { from = 0.2 }\n", "to"),
+        ("mu = { from = 0.2 }\n", ":1: `to` is missing"),
+        (
+            "mu = [0.2, 0.4]\n",
+            ":1: `mu` must be a table, not an array",
+        ),
+        ("camera = [192, 128]\n", ":1: `camera` must be a table"),
+        (
+            "pair = true\nior = 1.5\nrefractive_index = 1.5\n",
+            ":3: `refractive_index` is given twice",
+        ),
         ("electron = { from = 1, to = 2 }\n", "electrons"),
         ("photographs = { from = 0, to = 3 }\n", "between 1 and 1000"),
         ("kernels = [\"eq2\"]\n", "use one of eq1"),
@@ -214,5 +223,5 @@ fn ranges_are_read() {
         assert!(error.contains(said), "{error}");
         cases += 1;
     }
-    assert_eq!(cases, 7);
+    assert_eq!(cases, 10);
 }

@@ -218,7 +218,7 @@ pub(crate) fn uniform(
 /// [`crate::images::render::viewed`].
 ///
 /// # Errors
-/// Returns [`Error::Unseen`] if the view does not show the sheet, [`Error::Pixel`] if the blur of a
+/// Returns [`Error::CameraView`] if the view does not show the sheet, [`Error::Pixel`] if the blur of a
 /// pixel cannot be computed, and [`Error::NoSamples`] if the model has no samples.
 pub(crate) fn viewed(
     source: &Picture,

@@ -19,10 +19,10 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
+use serde::Deserialize;
+use toml::Spanned;
 
-use crate::document::Bounds;
-use crate::document::error as document;
-use crate::document::{Document, Section};
+use crate::document::{self, Bounds, Document, FileLine, Table, not_negative, positive};
 use crate::images::spot::Viewpoint;
 
 /// Sine of the incidence below which the azimuth is not defined.
@@ -72,41 +72,6 @@ pub(crate) struct Seen {
     pub mirrored: Option<[f64; 2]>,
 }
 
-/// Reason why a pixel does not show the sheet.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub(crate) enum Error {
-    /// Camera that is behind the sheet.
-    #[error("{}: the camera sees the back of the sheet at pixel ({column:.0}, {row:.0}); turn \
-        `normal` of [sheet] towards the camera", file.display())]
-    Back {
-        /// View file.
-        file: PathBuf,
-        /// Column of the pixel, from the middle of the picture.
-        column: f64,
-        /// Row of the pixel, from the middle of the picture.
-        row: f64,
-    },
-    /// Sheet in front of the image.
-    #[error("{}: at pixel ({column:.0}, {row:.0}) the sheet is not behind the image; move \
-        `position_mm` of [sheet] away from the camera", file.display())]
-    Before {
-        /// View file.
-        file: PathBuf,
-        /// Column of the pixel, from the middle of the picture.
-        column: f64,
-        /// Row of the pixel, from the middle of the picture.
-        row: f64,
-    },
-    /// Camera in the plane of the image.
-    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] in front \
-        of the image", file.display())]
-    Edge {
-        /// View file.
-        file: PathBuf,
-    },
-}
-
 impl CameraView {
     /// Reads a VIEW.toml.
     ///
@@ -115,46 +80,36 @@ impl CameraView {
     /// a key is missing or unknown, or if a value is outside its range.
     pub(crate) fn load(file: &Path) -> Result<CameraView, document::Error> {
         let document = Document::read(file)?;
-        let parsed = document.parse()?;
-        let known = ["camera", "image", "sheet", "ambient", "coating"];
-        let root = Section::root(&document, &parsed, &known)?;
-        let section = |key, known: &[&'static str]| root.required(key, root.section(key, known)?);
-        let camera = section("camera", &["position_mm"])?;
-        let image = section("image", &["centre_mm", "right", "down", "pixel_pitch_mm"])?;
-        let keys = ["position_mm", "normal", "first_edge", "seen_in_mirror"];
-        let sheet = section("sheet", &keys)?;
-
-        let right = direction(&image, "right", None)?;
-        let normal = direction(&sheet, "normal", None)?;
-        let pitch = image.number("pixel_pitch_mm", Bounds::POSITIVE)?;
-        let mirrored = sheet.flag("seen_in_mirror")?.unwrap_or(false);
-        let ambient = match root.section("ambient", &["luminance"])? {
-            Some(ambient) => {
-                let luminance = ambient.number("luminance", Bounds::NOT_NEGATIVE)?;
-                ambient.required("luminance", luminance)?
-            }
-            None => 0.0,
-        };
-        let coating = match root.section("coating", &["refractive_index"])? {
-            Some(coating) => {
-                let index = coating.number("refractive_index", Bounds::POSITIVE)?;
-                Some(coating.required("refractive_index", index)?)
-            }
-            None => None,
-        };
-        Ok(CameraView {
-            file: file.to_owned(),
-            camera: point(&camera, "position_mm")?,
-            centre: point(&image, "centre_mm")?,
-            right,
-            down: direction(&image, "down", Some(&right))?,
-            pitch_mm: image.required("pixel_pitch_mm", pitch)?,
-            sheet: point(&sheet, "position_mm")?,
-            normal,
-            first_edge: direction(&sheet, "first_edge", Some(&normal))?,
-            handedness: if mirrored { -1.0 } else { 1.0 },
+        let Tables {
+            camera: Table(camera),
+            image: Table(image),
+            sheet: Table(sheet),
             ambient,
             coating,
+        } = document.parse()?;
+        let direction = |key, given: &Spanned<Point>, to: Option<&Vector3<f64>>| {
+            direction(given.get_ref().0, to).ok_or_else(|| {
+                document.place(given.span()).error(format!(
+                    "`{key}` is no direction: it must be longer than 0, and not along the other \
+                    direction of its section; correct the value"
+                ))
+            })
+        };
+        let right = direction("right", &image.right, None)?;
+        let normal = direction("normal", &sheet.normal, None)?;
+        Ok(CameraView {
+            file: file.to_owned(),
+            camera: camera.position_mm.0,
+            centre: image.centre_mm.0,
+            right,
+            down: direction("down", &image.down, Some(&right))?,
+            pitch_mm: image.pixel_pitch_mm,
+            sheet: sheet.position_mm.0,
+            normal,
+            first_edge: direction("first_edge", &sheet.first_edge, Some(&normal))?,
+            handedness: if sheet.seen_in_mirror { -1.0 } else { 1.0 },
+            ambient: ambient.map_or(0.0, |table| table.0.luminance),
+            coating: coating.map(|table| table.0.refractive_index),
         })
     }
 
@@ -172,34 +127,38 @@ impl CameraView {
     /// picture.
     ///
     /// # Errors
-    /// Returns [`Error::Edge`] if the camera lies in the plane of the image, [`Error::Back`] if it
-    /// sees the back of the sheet, and [`Error::Before`] if the sheet is not behind the image.
-    pub(crate) fn at(&self, [column, row]: [f64; 2]) -> Result<Seen, Error> {
-        let file = || self.file.clone();
+    /// Returns an error if the camera lies in the plane of the image, if it sees the back of the
+    /// sheet, and if the sheet is not behind the image.
+    pub(crate) fn at(&self, [column, row]: [f64; 2]) -> Result<Seen, document::Error> {
+        let refused = |why: &str| {
+            let (file, line) = (self.file.clone(), 0);
+            Err(FileLine { file, line }.error(why))
+        };
         let plane = self.right.cross(&self.down);
         let point = self.centre + (self.right * column + self.down * row) * self.pitch_mm;
         let to_image = (point - self.camera).norm();
         let ray = (point - self.camera) / to_image;
         let across = ray.dot(&plane);
         if to_image == 0.0 || across.abs() < 1e-6 {
-            return Err(Error::Edge { file: file() });
+            return refused(
+                "the camera lies in the image's plane; move `position_mm` of [camera] in front of \
+                the image",
+            );
         }
         let cosine = -ray.dot(&self.normal);
         if cosine <= 1e-6 {
-            return Err(Error::Back {
-                file: file(),
-                column,
-                row,
-            });
+            return refused(&format!(
+                "the camera sees the back of the sheet at pixel ({column:.0}, {row:.0}); turn \
+                `normal` of [sheet] towards the camera"
+            ));
         }
         let to_sheet = (self.camera - self.sheet).dot(&self.normal) / cosine;
         let r_mm = to_sheet - to_image;
         if r_mm <= 0.0 {
-            return Err(Error::Before {
-                file: file(),
-                column,
-                row,
-            });
+            return refused(&format!(
+                "at pixel ({column:.0}, {row:.0}) the sheet is not behind the image; move \
+                `position_mm` of [sheet] away from the camera"
+            ));
         }
         // The light arrived at the sheet along the camera's ray. u is its direction in the sheet.
         let within = ray + self.normal * cosine;
@@ -261,31 +220,80 @@ pub(crate) fn fresnel(index: f64, incidence_deg: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-/// Reads a point, mm.
-fn point(section: &Section<'_>, key: &'static str) -> Result<Vector3<f64>, document::Error> {
-    Ok(Vector3::from(section.required(key, section.vector(key)?)?))
+/// A VIEW.toml as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Tables {
+    camera: Table<CameraTable>,
+    image: Table<ImageTable>,
+    sheet: Table<SheetTable>,
+    ambient: Option<Table<AmbientTable>>,
+    coating: Option<Table<CoatingTable>>,
 }
 
-/// Reads a direction, scales it to length 1, and makes it perpendicular to `to` if that is given.
-///
-/// # Errors
-/// Returns a [`document::Error`] if the key is missing, if the direction has no length, or if it is
-/// parallel to `to`.
-fn direction(
-    section: &Section<'_>,
-    key: &'static str,
-    to: Option<&Vector3<f64>>,
-) -> Result<Vector3<f64>, document::Error> {
-    let given = point(section, key)?;
-    let rest = to.map_or(given, |to| given - to * given.dot(to));
-    let length = rest.norm() / given.norm();
-    if length > 1e-6 {
-        return Ok(rest.normalize());
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CameraTable {
+    position_mm: Point,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ImageTable {
+    centre_mm: Point,
+    right: Spanned<Point>,
+    down: Spanned<Point>,
+    #[serde(deserialize_with = "positive")]
+    pixel_pitch_mm: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SheetTable {
+    position_mm: Point,
+    normal: Spanned<Point>,
+    first_edge: Spanned<Point>,
+    #[serde(default)]
+    seen_in_mirror: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AmbientTable {
+    #[serde(deserialize_with = "not_negative")]
+    luminance: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CoatingTable {
+    #[serde(deserialize_with = "positive")]
+    refractive_index: f64,
+}
+
+/// Three numbers in brackets.
+#[derive(Deserialize)]
+#[serde(try_from = "Vec<f64>")]
+struct Point(Vector3<f64>);
+
+impl TryFrom<Vec<f64>> for Point {
+    type Error = serde::de::value::Error;
+
+    fn try_from(numbers: Vec<f64>) -> Result<Point, Self::Error> {
+        let [x, y, z] = numbers[..] else {
+            let wrong = "must be three numbers in brackets; change the value";
+            return Err(serde::de::Error::custom(wrong));
+        };
+        for number in numbers {
+            Bounds::FINITE.checked::<Self::Error>(number)?;
+        }
+        Ok(Point(Vector3::new(x, y, z)))
     }
-    Err(document::Error::OutOfRange {
-        place: section.place_of(key),
-        key: key.to_owned(),
-        value: rest.norm(),
-        must_be: "a direction: longer than 0, and not along the other direction of its section",
-    })
+}
+
+/// Scales a direction to length 1, and makes it perpendicular to `to` if that is given. Returns
+/// `None` for a direction that has no length or is parallel to `to`.
+fn direction(given: Vector3<f64>, to: Option<&Vector3<f64>>) -> Option<Vector3<f64>> {
+    let rest = to.map_or(given, |to| given - to * given.dot(to));
+    (rest.norm() / given.norm() > 1e-6).then(|| rest.normalize())
 }
