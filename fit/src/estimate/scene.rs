@@ -42,32 +42,21 @@ pub enum Error {
     /// Direction that the table does not have.
     #[error("{}: capture \"{image}\": {source}", manifest.display())]
     Direction {
-        /// File of the manifest.
         manifest: PathBuf,
-        /// Image of the capture.
         image: String,
-        /// Error of the table. It is boxed, because otherwise every result of the crate would be
-        /// larger.
         source: Box<tables::Error>,
     },
     /// Photograph without a usable edge.
     #[error("{}: {fault}", image.display())]
     Edge {
-        /// File of the photograph.
         image: PathBuf,
-        /// Fault of the edge.
         fault: edge::fault::Fault,
     },
     /// Photograph that is sharper than the reference.
     #[error("{}: capture \"{image}\" is sharper than the [reference], but a sheet only adds blur: \
              the two photographs may be exchanged, or the reference is out of focus; exchange or \
              repeat them", manifest.display())]
-    Sharper {
-        /// File of the manifest.
-        manifest: PathBuf,
-        /// Image of the capture.
-        image: String,
-    },
+    Sharper { manifest: PathBuf, image: String },
     /// Estimate stopped by its caller.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -75,10 +64,7 @@ pub enum Error {
     #[error("{}: no capture is left: the table says that nothing is retroreflected at the \
              incidence of any capture; photograph at smaller incidences, or check azimuth_deg",
              manifest.display())]
-    NothingLeft {
-        /// File of the manifest.
-        manifest: PathBuf,
-    },
+    NothingLeft { manifest: PathBuf },
 }
 
 /// Function that supplies the photograph of a shot.

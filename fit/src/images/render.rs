@@ -27,19 +27,11 @@ use crate::photographs::photo::picture::Picture;
 pub(crate) enum Error {
     /// Output file that ends neither in .exr nor in .png.
     #[error("{}: an image is written as .exr or .png; give one of these endings", path.display())]
-    Ending {
-        /// Output file.
-        path: PathBuf,
-    },
+    Ending { path: PathBuf },
     /// Image that the encoder cannot write.
     #[error("{}: the image could not be encoded ({message}); try the other of .exr and .png",
         path.display())]
-    Encode {
-        /// Output file.
-        path: PathBuf,
-        /// Message of the encoder.
-        message: String,
-    },
+    Encode { path: PathBuf, message: String },
     /// Blur that cannot be computed.
     #[error(transparent)]
     Blur(#[from] Fault),
@@ -58,11 +50,8 @@ pub(crate) enum Error {
     /// Pixel whose blur cannot be computed.
     #[error("at pixel ({column:.0}, {row:.0}) of the view: {fault}")]
     Pixel {
-        /// Column of the pixel.
         column: f64,
-        /// Row of the pixel.
         row: f64,
-        /// Reason.
         fault: Box<Fault>,
     },
 }

@@ -30,44 +30,25 @@ pub enum SpectrumError {
         "has the entry \"{entry}\", which is not a wavelength such as 550 or a pair such as \
         550:0.5; correct it"
     )]
-    Entry {
-        /// The entry that was found.
-        entry: String,
-    },
+    Entry { entry: String },
     /// A wavelength outside 100 to 20000 nm, for example one given in another unit.
     #[error("is {wavelength_nm} nm but must be between 100 and 20000 nm; give it in nanometres")]
-    Wavelength {
-        /// The wavelength that was found, nm.
-        wavelength_nm: f64,
-    },
+    Wavelength { wavelength_nm: f64 },
     /// A weight that is not finite, or not greater than 0.
     #[error(
         "gives {wavelength_nm} nm the weight {weight}, which must be finite and greater than 0; \
         correct it"
     )]
-    Weight {
-        /// Wavelength of the entry, nm.
-        wavelength_nm: f64,
-        /// The weight that was found.
-        weight: f64,
-    },
+    Weight { wavelength_nm: f64, weight: f64 },
     /// More wavelengths than any source is measured at.
     #[error("has {lines} wavelengths, above the limit of {MOST_LINES}; merge neighbouring ones")]
-    Many {
-        /// Number of wavelengths.
-        lines: usize,
-    },
+    Many { lines: usize },
     /// Wavelengths that no single source and camera span.
     #[error(
         "mixes {least_nm} nm and {most_nm} nm, but the longest wavelength may be at most 5 times \
         the shortest; correct it, or take each by itself"
     )]
-    Wide {
-        /// Shortest wavelength, nm.
-        least_nm: f64,
-        /// Longest wavelength, nm.
-        most_nm: f64,
-    },
+    Wide { least_nm: f64, most_nm: f64 },
 }
 
 /// Greatest number of wavelengths of a spectrum: those of silicon in steps of a nanometre, and some.

@@ -45,7 +45,6 @@ mod ripples;
 mod sample;
 mod simulate_campaign;
 mod statistics;
-mod strips;
 mod study;
 mod suspects;
 mod transfers;

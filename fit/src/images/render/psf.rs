@@ -65,11 +65,8 @@ pub(crate) enum Fault {
         gets fewer pixels (which loses nothing under such a blur), or a larger one"
     )]
     Wide {
-        /// Incidence, degrees.
         incidence_deg: f64,
-        /// Distance R from the sheet to the image, mm.
         r_mm: f64,
-        /// Width of the blur, pixels.
         size: usize,
     },
 }

@@ -80,31 +80,22 @@ pub(crate) enum Error {
     #[error("{}: the camera sees the back of the sheet at pixel ({column:.0}, {row:.0}); turn \
         `normal` of [sheet] towards the camera", file.display())]
     Back {
-        /// View file.
         file: PathBuf,
-        /// Column of the pixel, from the middle of the picture.
         column: f64,
-        /// Row of the pixel, from the middle of the picture.
         row: f64,
     },
     /// Sheet in front of the image.
     #[error("{}: at pixel ({column:.0}, {row:.0}) the sheet is not behind the image; move \
         `position_mm` of [sheet] away from the camera", file.display())]
     Before {
-        /// View file.
         file: PathBuf,
-        /// Column of the pixel, from the middle of the picture.
         column: f64,
-        /// Row of the pixel, from the middle of the picture.
         row: f64,
     },
     /// Camera in the plane of the image.
     #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] in front \
         of the image", file.display())]
-    Edge {
-        /// View file.
-        file: PathBuf,
-    },
+    Edge { file: PathBuf },
 }
 
 impl CameraView {

@@ -21,40 +21,24 @@ pub enum Error {
         image.display()
     )]
     NoExposure {
-        /// Place where the table of the capture begins.
         place: FileLine,
-        /// The photograph that lacks the camera's settings.
         image: PathBuf,
-        /// The settings that are missing, in words.
         lack: String,
     },
     /// An image file that does not exist.
     #[error(
         "{place}: image {image} does not exist; paths are relative to the folder of the manifest"
     )]
-    ImageMissing {
-        /// Line that names the image.
-        place: FileLine,
-        /// Path at which the image was looked for.
-        image: PathBuf,
-    },
+    ImageMissing { place: FileLine, image: PathBuf },
     /// A key `expect_table` that is no content hash.
     #[error(
         "{place}: `expect_table` is \"{text}\", which is no content hash; write the 64 hex digits \
         that `bake verify` prints"
     )]
-    NotAHash {
-        /// Place of the key.
-        place: FileLine,
-        /// Text of the key.
-        text: String,
-    },
+    NotAHash { place: FileLine, text: String },
     /// A manifest without any capture.
     #[error("{file}: has no [[capture]]; add one for each photograph of the mid-air image")]
-    NoCaptures {
-        /// Path of the manifest.
-        file: PathBuf,
-    },
+    NoCaptures { file: PathBuf },
     /// A region that reaches beyond the picture.
     #[error(
         "{place}: {roi} reaches beyond {image}, which is {width} x {height} pixels{}; correct \
@@ -62,17 +46,11 @@ pub enum Error {
         as_shown(*turned)
     )]
     RoiOutside {
-        /// Line that names the photograph.
         place: FileLine,
-        /// The region of interest.
         roi: Roi,
-        /// Path of the photograph.
         image: PathBuf,
-        /// Number of columns of the photograph.
         width: usize,
-        /// Number of rows of the photograph.
         height: usize,
-        /// True if the photograph was turned upright.
         turned: bool,
     },
     /// A photograph that cannot be used.

@@ -4,7 +4,6 @@
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::BufReader;
-use std::path::Path;
 
 use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;
@@ -15,10 +14,10 @@ use exr::prelude::f16;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-use crate::photographs::photo::caught::caught;
+use crate::photographs::photo::caught;
 use crate::photographs::photo::channel::{Channel, Decode, REC709};
 use crate::photographs::photo::curve::Curve;
-use crate::photographs::photo::error::Error;
+use crate::photographs::photo::error::Fault;
 use crate::photographs::photo::format::Format;
 use crate::photographs::photo::limits::{check_packed, check_size};
 use crate::photographs::photo::picture::Picture;
@@ -49,28 +48,26 @@ struct Selection {
 
 /// Reads the plane that `options` ask for. `first` holds the first bytes of the file.
 pub(crate) fn read(
-    path: &Path,
     reader: BufReader<File>,
     first: &[u8],
     options: &Decode,
-) -> Result<Photo, Error> {
+) -> Result<Photo, Fault> {
     let mut half_only = false;
     let mut alone = false;
     let transfer = options.transfer.unwrap_or(Transfer::Linear);
-    let (width, height, mut planes, warnings) =
-        read_planes(path, reader, first, transfer, |headers| {
-            let Selection {
-                header,
-                terms,
-                warnings,
-            } = select(path, headers, &options.channel)?;
-            let stored = &headers[header].channels.list;
-            alone = terms.len() == 1;
-            half_only = terms
-                .iter()
-                .all(|term| stored[term.index].sample_type == SampleType::F16);
-            Ok((header, vec![terms], warnings))
-        })?;
+    let (width, height, mut planes, warnings) = read_planes(reader, first, transfer, |headers| {
+        let Selection {
+            header,
+            terms,
+            warnings,
+        } = select(headers, &options.channel)?;
+        let stored = &headers[header].channels.list;
+        alone = terms.len() == 1;
+        half_only = terms
+            .iter()
+            .all(|term| stored[term.index].sample_type == SampleType::F16);
+        Ok((header, vec![terms], warnings))
+    })?;
     let luminance = planes.swap_remove(0);
     let largest = luminance.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let clip_level = if largest == 1.0 {
@@ -95,14 +92,10 @@ pub(crate) fn read(
 }
 
 /// Reads red, green and blue, or the luminance if the file has no colour.
-pub(crate) fn read_colour(
-    path: &Path,
-    reader: BufReader<File>,
-    first: &[u8],
-) -> Result<Picture, Error> {
+pub(crate) fn read_colour(reader: BufReader<File>, first: &[u8]) -> Result<Picture, Fault> {
     let mut differences = None;
     let (width, height, mut planes, warnings) =
-        read_planes(path, reader, first, Transfer::Linear, |headers| {
+        read_planes(reader, first, Transfer::Linear, |headers| {
             let single = |index| vec![Term { index, weight: 1.0 }];
             for layer in layers(headers) {
                 let indices = if let [Some(red), Some(green), Some(blue)] = layer.primaries() {
@@ -116,15 +109,12 @@ pub(crate) fn read_colour(
                 };
                 return Ok((layer.header, indices.map(single).to_vec(), Vec::new()));
             }
-            let grey = select(path, headers, &Channel::Luminance)?;
+            let grey = select(headers, &Channel::Luminance)?;
             Ok((grey.header, vec![grey.terms], grey.warnings))
         })?;
     if let (Some(weights), [red, luma, blue]) = (differences, &mut planes[..]) {
-        let weights = weights.ok_or_else(|| Error::Damaged {
-            file: path.to_owned(),
-            format: Format::Exr,
-            reason: "its primaries make no colours".into(),
-        })?;
+        let lack = || Fault::Damaged(Format::Exr, "its primaries make no colours".into());
+        let weights = weights.ok_or_else(lack)?;
         let pixels = red.iter_mut().zip(luma).zip(blue);
         pixels.for_each(|((red, green), blue)| {
             let luma = *green;
@@ -161,38 +151,31 @@ type Planes = (usize, usize, Vec<Vec<f32>>, Vec<String>);
 
 /// Reads planes, each of which is the sum of its terms. `choose` picks the header and the terms.
 fn read_planes(
-    path: &Path,
     reader: BufReader<File>,
     first: &[u8],
     transfer: Transfer,
-    choose: impl FnOnce(&[Header]) -> Result<(usize, Vec<Vec<Term>>, Vec<String>), Error>,
-) -> Result<Planes, Error> {
-    let file = || path.to_owned();
+    choose: impl FnOnce(&[Header]) -> Result<(usize, Vec<Vec<Term>>, Vec<String>), Fault>,
+) -> Result<Planes, Fault> {
     if first.get(5).is_some_and(|flags| flags & DEEP_FLAG != 0) {
-        return Err(Error::Deep { file: file() });
+        return Err(Fault::Deep);
     }
     let broken = |error: ExrError| match error {
-        ExrError::NotSupported(what) => Error::Unread {
-            file: file(),
-            format: Format::Exr,
-            what: format!("what its decoder calls \"{what}\""),
-        },
-        error => Error::Damaged {
-            file: file(),
-            format: Format::Exr,
-            reason: error.to_string(),
-        },
+        ExrError::NotSupported(what) => {
+            Fault::Unread(Format::Exr, format!("what its decoder calls \"{what}\""))
+        }
+        error => Fault::Damaged(Format::Exr, error.to_string()),
     };
+    let length = reader.get_ref().metadata()?.len();
     let blocks = exr::block::read(reader, false).map_err(broken)?;
     let (chosen, terms, warnings) = choose(blocks.headers())?;
     let header = &blocks.headers()[chosen];
     if header.deep {
-        return Err(Error::Deep { file: file() });
+        return Err(Fault::Deep);
     }
     let (width, height) = (header.layer_size.width(), header.layer_size.height());
-    check_size(path, width as u64, height as u64)?;
+    check_size(width as u64, height as u64)?;
     let bytes = header.channels.bytes_per_pixel as u64;
-    check_packed(path, [width as u64, height as u64], bytes)?;
+    check_packed([width as u64, height as u64], bytes, length)?;
     let mut planes = vec![vec![0.0_f32; width * height]; terms.len()];
     let mut chunks = blocks
         .filter_chunks(false, |_, tile, block| {
@@ -374,7 +357,7 @@ fn layers(headers: &[Header]) -> Vec<Layer> {
 }
 
 /// Finds the first layer that has the plane that was asked for.
-fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection, Error> {
+fn select(headers: &[Header], wanted: &Channel) -> Result<Selection, Fault> {
     let layers = layers(headers);
     let mut warnings = Vec::new();
     if let Channel::Named(name) = wanted {
@@ -402,11 +385,7 @@ fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection
             .iter()
             .flat_map(|header| header.channels.list.iter().map(|it| it.name.to_string()))
             .collect();
-        return Err(Error::NoChannel {
-            file: path.to_owned(),
-            wanted: wanted.clone(),
-            found,
-        });
+        return Err(Fault::NoChannel(wanted.clone(), found));
     };
     if able.len() > 1 {
         let name = if layer.name.is_empty() {
