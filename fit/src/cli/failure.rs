@@ -7,7 +7,6 @@ use tables::OutputError;
 
 use crate::document::FileLine;
 use crate::estimate::error as estimate;
-use crate::estimate::scene;
 #[cfg(all(feature = "images", feature = "report"))]
 use crate::explore;
 #[cfg(feature = "images")]
@@ -58,9 +57,6 @@ pub(crate) enum Failure {
     /// Fault of a photograph.
     #[error(transparent)]
     Photo(#[from] photo::error::Error),
-    /// Fault of the scene: photographs and table together.
-    #[error(transparent)]
-    Scene(#[from] scene::Error),
     /// Fault of the table.
     #[error(transparent)]
     Table(#[from] tables::Error),
@@ -219,7 +215,7 @@ impl Failure {
             Failure::Terminal(tables::cli::Error::PlotExtension(_)) => 2,
             Failure::Frequency { .. } | Failure::Usage(_) => 2,
             #[cfg(feature = "images")]
-            Failure::Render(render::Error::Ending { .. }) => 2,
+            Failure::Render(render::Error::Ending(_)) => 2,
             _ => 1,
         }
     }

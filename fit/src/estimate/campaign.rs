@@ -192,9 +192,7 @@ pub fn campaign(
         near = (best.choice, best.solution.parameters.clone());
     }
     if !is_finite(&best) {
-        return Err(Error::NoFit {
-            manifest: campaign.file.clone(),
-        });
+        return Err(Error::NoFit(campaign.file.clone()));
     }
     let mut warnings = of_scene(&scene, table, &best);
     if campaign.setup.seen_in_mirror.is_none() {

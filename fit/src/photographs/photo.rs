@@ -43,11 +43,17 @@ use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::path::Path;
 use std::sync::Once;
 
-use crate::photographs::photo::channel::Decode;
+use crate::photographs::photo::channel::{Channel, Decode, REC709};
+use crate::photographs::photo::curve::Curve;
 use crate::photographs::photo::error::{Error, Fault};
+use crate::photographs::photo::exif::Settings;
 use crate::photographs::photo::format::{Format, extension, is_raw};
+use crate::photographs::photo::limits::{check_packed, check_size};
 use crate::photographs::photo::picture::Picture;
-use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::plane::{Photo, TURNED};
+use crate::photographs::photo::raster::Decoded;
+use crate::photographs::photo::samples::{Alpha, Samples, Stored, upright};
+use crate::photographs::photo::taken::{Curves, GIVEN, Taken};
 use crate::photographs::photo::transfer::Transfer;
 
 /// Reads a photograph into linear light.

@@ -59,21 +59,13 @@ pub enum Error {
         campaign in it"
     )]
     NotEmpty { folder: PathBuf },
-    /// A file or folder that cannot be written.
+    /// A file, folder or photograph that cannot be written.
     #[error(
         "{file}: cannot be written ({source}); check the path, its permissions and the space left"
     )]
     Write {
         file: PathBuf,
         source: std::io::Error,
-    },
-    /// A photograph that cannot be written.
-    #[error(
-        "{file}: cannot be written ({source}); check the path, its permissions and the space left"
-    )]
-    WriteExr {
-        file: PathBuf,
-        source: exr::error::Error,
     },
     /// A photograph that cannot be packed as JPEG.
     #[error("a photograph cannot be packed as JPEG ({source}); make it smaller")]

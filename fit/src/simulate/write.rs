@@ -43,7 +43,7 @@ pub(crate) struct Report {
 ///
 /// # Errors
 /// Returns [`Error::NotEmpty`] if the folder holds anything and `force` is not set,
-/// [`Error::Write`] or [`Error::WriteExr`] if a file or folder cannot be written, and
+/// [`Error::Write`] if a file or folder cannot be written, and
 /// [`Error::NoEntry`] or [`Error::Unplanted`] for parameters built in code that cannot be
 /// simulated.
 pub(crate) fn run(params: &Params, folder: &Path, force: bool) -> Result<Report, Error> {
@@ -157,9 +157,9 @@ fn save(
         Encoding::SMALL_LOSSLESS,
         channels,
     );
-    let cannot = |source| Error::WriteExr {
+    let cannot = |error: exr::error::Error| Error::Write {
         file: file.to_owned(),
-        source,
+        source: std::io::Error::other(error.to_string()),
     };
     Image::from_layer(layer)
         .write()

@@ -23,6 +23,7 @@ use nalgebra::Vector3;
 use crate::document::Bounds;
 use crate::document::error as document;
 use crate::document::{Document, Section};
+use crate::images::render::Error;
 use crate::images::spot::Viewpoint;
 
 /// Sine of the incidence below which the azimuth is not defined.
@@ -70,32 +71,6 @@ pub(crate) struct Seen {
     ///
     /// It is `None` if the reflected ray misses the plane of the image.
     pub mirrored: Option<[f64; 2]>,
-}
-
-/// Reason why a pixel does not show the sheet.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub(crate) enum Error {
-    /// Camera that is behind the sheet.
-    #[error("{}: the camera sees the back of the sheet at pixel ({column:.0}, {row:.0}); turn \
-        `normal` of [sheet] towards the camera", file.display())]
-    Back {
-        file: PathBuf,
-        column: f64,
-        row: f64,
-    },
-    /// Sheet in front of the image.
-    #[error("{}: at pixel ({column:.0}, {row:.0}) the sheet is not behind the image; move \
-        `position_mm` of [sheet] away from the camera", file.display())]
-    Before {
-        file: PathBuf,
-        column: f64,
-        row: f64,
-    },
-    /// Camera in the plane of the image.
-    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] in front \
-        of the image", file.display())]
-    Edge { file: PathBuf },
 }
 
 impl CameraView {
@@ -173,24 +148,16 @@ impl CameraView {
         let ray = (point - self.camera) / to_image;
         let across = ray.dot(&plane);
         if to_image == 0.0 || across.abs() < 1e-6 {
-            return Err(Error::Edge { file: file() });
+            return Err(Error::Edge(file()));
         }
         let cosine = -ray.dot(&self.normal);
         if cosine <= 1e-6 {
-            return Err(Error::Back {
-                file: file(),
-                column,
-                row,
-            });
+            return Err(Error::Back(file(), [column, row]));
         }
         let to_sheet = (self.camera - self.sheet).dot(&self.normal) / cosine;
         let r_mm = to_sheet - to_image;
         if r_mm <= 0.0 {
-            return Err(Error::Before {
-                file: file(),
-                column,
-                row,
-            });
+            return Err(Error::Before(file(), [column, row]));
         }
         // The light arrived at the sheet along the camera's ray. u is its direction in the sheet.
         let within = ray + self.normal * cosine;

@@ -7,8 +7,7 @@
 
 use moxcms::{ColorProfile, DataColorSpace, LocalizableString, ProfileText, ToneReprCurve};
 
-use crate::photographs::photo::taken::Curves;
-use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::photo::{Curves, Transfer};
 
 /// A tone curve.
 #[derive(Debug, Clone, PartialEq)]

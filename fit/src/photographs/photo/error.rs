@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::photographs::photo::channel::Channel;
-use crate::photographs::photo::format::Format;
 use crate::photographs::photo::limits::{MAX_PIXELS, MOST};
+use crate::photographs::photo::{Channel, Format};
 
 /// A photograph that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -63,7 +62,7 @@ pub enum Fault {
     #[error("holds {}, which fit does not read; save it as {}", one_line(.1), .0.best())]
     Unread(Format, String),
     /// A JPEG, or a TIFF of JPEGs, that lacks a part of its data, in words.
-    #[error("is cut short or damaged ({0}); copy the photograph again")]
+    #[error("is cut short or damaged ({}); copy the photograph again", one_line(.0))]
     CutShort(String),
     /// A part of the file that names a transfer which cannot be followed, and why.
     #[error(

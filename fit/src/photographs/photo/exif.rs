@@ -6,13 +6,7 @@ use std::path::Path;
 
 use exif::{Exif, In, Reader, Tag, Value};
 
-use crate::photographs::photo::caught;
-use crate::photographs::photo::curve::Curve;
-use crate::photographs::photo::format::{extension, is_raw};
-use crate::photographs::photo::pages;
-use crate::photographs::photo::raw;
-use crate::photographs::photo::taken::Curves;
-use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::photo::{Curve, Curves, Transfer, caught, extension, is_raw, pages, raw};
 
 /// Settings of a camera that decide the exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]

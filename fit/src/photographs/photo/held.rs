@@ -2,16 +2,11 @@
 
 use std::path::PathBuf;
 
-use crate::photographs::photo::channel::Decode;
-use crate::photographs::photo::check_finite;
-use crate::photographs::photo::curve::Curve;
-use crate::photographs::photo::error::Error;
-use crate::photographs::photo::picture::Picture;
-use crate::photographs::photo::plane::Photo;
-use crate::photographs::photo::raster::{Decoded, plane};
-use crate::photographs::photo::samples::{Alpha, Samples, Stored};
-use crate::photographs::photo::taken::{Curves, GIVEN};
-use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::photo::raster::plane;
+use crate::photographs::photo::{
+    Alpha, Curve, Curves, Decode, Decoded, Error, GIVEN, Photo, Picture, Samples, Stored, Transfer,
+    check_finite,
+};
 
 /// Picture in memory: one plane, or three (red, green and blue).
 #[derive(Debug, Clone, PartialEq)]

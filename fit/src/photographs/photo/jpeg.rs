@@ -5,14 +5,10 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use crate::photographs::photo::curve;
-use crate::photographs::photo::error::Fault;
-use crate::photographs::photo::exif;
-use crate::photographs::photo::format::Format;
-use crate::photographs::photo::limits::{check_packed, check_size};
-use crate::photographs::photo::raster::Decoded;
-use crate::photographs::photo::samples::{Alpha, Samples, Stored};
 use crate::photographs::photo::scans::Scans;
+use crate::photographs::photo::{
+    Alpha, Decoded, Fault, Format, Samples, Stored, check_packed, check_size, curve, exif,
+};
 
 /// Reads a JPEG that is whole, its profile, and what its Exif data say.
 pub(crate) fn read(bytes: &[u8]) -> Result<Decoded, Fault> {
@@ -27,22 +23,23 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Decoded, Fault> {
     };
     let size = [width as u64, height as u64];
     check_packed(size, channels as u64, bytes.len() as u64)?;
-    let scans = Scans::of(bytes).map_err(Fault::CutShort)?;
+    let Scans {
+        left, has_profile, ..
+    } = Scans::of(bytes).map_err(Fault::CutShort)?;
     decoder.set_options(decoder.options().jpeg_set_out_colorspace(space));
     let pixels = decoder
         .decode()
         .map_err(|error| broken(error.to_string()))?;
     let exif = exif::read(std::io::Cursor::new(bytes));
     let stated = match decoder.icc_profile() {
-        None if scans.has_profile => Err(curve::DAMAGED.to_owned()),
+        None if has_profile => Err(curve::DAMAGED.to_owned()),
         None => Ok(exif.as_ref().and_then(exif::curves)),
         Some(profile) => curve::curves(&profile, curve::PROFILE, channels == 3).map(Some),
     };
-    let left = (scans.left > 0).then(|| {
+    let left = (left > 0).then(|| {
         format!(
-            "{} bytes of its data lie behind the last pixels; if the picture looks damaged, copy it \
-            again",
-            scans.left
+            "{left} bytes of its data lie behind the last pixels; if the picture looks damaged, \
+            copy it again"
         )
     });
     Ok(Decoded {
@@ -59,13 +56,18 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Decoded, Fault> {
     })
 }
 
-/// Unpacks a part of a TIFF that is a JPEG, and leaves its colours as they are stored.
+/// Unpacks a part of a TIFF that is a JPEG of this width and at most this height, and leaves its
+/// colours as they are stored.
 ///
 /// # Errors
 /// Returns the reason, in words, if it is not whole or cannot be unpacked.
-pub(crate) fn unpacked(bytes: &[u8]) -> Result<Vec<u8>, String> {
-    Scans::of(bytes)?;
+pub(crate) fn unpacked(bytes: &[u8], [width, most]: [usize; 2]) -> Result<Vec<u8>, String> {
     let mut decoder = decoder(bytes)?;
+    let size = decoder.dimensions().unwrap_or_default();
+    if size.0 != width || size.1 > most {
+        return Err(format!("it has {} x {} pixels", size.0, size.1));
+    }
+    Scans::of(bytes)?;
     let space = decoder.input_colorspace().unwrap_or(ColorSpace::YCbCr);
     decoder.set_options(decoder.options().jpeg_set_out_colorspace(space));
     decoder.decode().map_err(|error| error.to_string())

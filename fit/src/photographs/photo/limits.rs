@@ -1,6 +1,6 @@
 //! Limits on the size of photographs, checked before memory is allocated.
 
-use crate::photographs::photo::error::Fault;
+use crate::photographs::photo::Fault;
 
 /// Largest photograph that is decoded, pixels. A larger one is refused by its header alone.
 pub(crate) const MAX_PIXELS: u64 = 200_000_000;

@@ -2,10 +2,7 @@
 
 use std::path::Path;
 
-use crate::photographs::photo::channel::Decode;
-use crate::photographs::photo::error::Fault;
-use crate::photographs::photo::exif::Settings;
-use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::{Decode, Fault, Photo, Settings};
 
 /// Refuses to read a camera raw file.
 ///

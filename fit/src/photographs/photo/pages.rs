@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::io;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
-use crate::photographs::photo::error::Fault;
+use crate::photographs::photo::Fault;
 use crate::photographs::photo::tiff::damaged;
 
 /// Largest number of pages that are followed, of pages within a page, and of entries of each.

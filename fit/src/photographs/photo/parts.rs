@@ -1,18 +1,16 @@
 //! TIFF: the samples of the strips or tiles of a page (TIFF 6.0; JPEG by Technical Note 2 of 1995,
 //! floats by Technical Note 3 of 2005).
 
-use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
+use std::io::{Cursor, Read, Seek, SeekFrom};
 
 use exr::prelude::f16;
 use flate2::read::ZlibDecoder;
 use weezl::decode::Configuration;
 use weezl::{BitOrder, LzwStatus};
 
-use crate::photographs::photo::error::Fault;
-use crate::photographs::photo::jpeg;
 use crate::photographs::photo::pages::{Tiff, whole};
-use crate::photographs::photo::samples::Samples;
 use crate::photographs::photo::tiff::{Page, damaged};
+use crate::photographs::photo::{Fault, Samples, jpeg};
 
 const NONE: u64 = 1;
 const LZW: u64 = 5;
@@ -135,10 +133,16 @@ impl Page {
         match self.compression {
             NONE => return Ok(Box::new(file)),
             LZW | JPEG | PACK_BITS => {}
-            _ => return Ok(Box::new(ZlibDecoder::new(BufReader::new(file)))),
+            _ => return Ok(Box::new(ZlibDecoder::new(file))),
         }
+        // Many parts may claim the same bytes. Neither LZW nor PackBits takes more than this.
+        let needed = match self.compression {
+            JPEG => length,
+            _ => length.min(2 * most as u64 + 1024),
+        };
         let mut packed = Vec::new();
-        file.take(length).read_to_end(&mut packed)?;
+        file.take(needed).read_to_end(&mut packed)?;
+        let size = self.part.map(|side| side as usize);
         let count = self.offsets.len();
         let here = |reason| Fault::CutShort(format!("in part {} of {count}: {reason}", part + 1));
         let bytes = match self.compression {
@@ -147,13 +151,13 @@ impl Page {
             _ if (packed.len() as u64) < length => {
                 return Err(here("its bytes are missing".into()));
             }
-            _ if self.tables.is_empty() => jpeg::unpacked(&packed).map_err(here)?,
+            _ if self.tables.is_empty() => jpeg::unpacked(&packed, size).map_err(here)?,
             _ => {
                 // The tables of all parts stand apart. The end of the tables and the start of the
                 // part, markers of two bytes, would end the picture.
                 let head = &self.tables[..self.tables.len().saturating_sub(2)];
                 let whole = [head, packed.get(2..).unwrap_or_default()].concat();
-                jpeg::unpacked(&whole).map_err(here)?
+                jpeg::unpacked(&whole, size).map_err(here)?
             }
         };
         Ok(Box::new(Cursor::new(bytes)))

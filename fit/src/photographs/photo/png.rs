@@ -5,16 +5,11 @@ use std::io::Cursor;
 
 use png::{BitDepth, CodingIndependentCodePoints, DecodeOptions, Decoder, Info, Transformations};
 
-use crate::photographs::photo::curve;
-use crate::photographs::photo::curve::Curve;
-use crate::photographs::photo::error::Fault;
-use crate::photographs::photo::exif;
-use crate::photographs::photo::format::Format;
-use crate::photographs::photo::limits::{HEADER_BYTES, check_packed, check_size};
-use crate::photographs::photo::raster::Decoded;
-use crate::photographs::photo::samples::{Alpha, Samples, Stored};
-use crate::photographs::photo::taken::Curves;
-use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::photo::limits::HEADER_BYTES;
+use crate::photographs::photo::{
+    Alpha, Curve, Curves, Decoded, Fault, Format, Samples, Stored, Transfer, check_packed,
+    check_size, curve, exif,
+};
 
 /// Reads a PNG. Palettes become colours, and samples of less than a byte are spread over one.
 pub(crate) fn read(bytes: &[u8]) -> Result<Decoded, Fault> {
@@ -37,19 +32,25 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Decoded, Fault> {
     let is_wide = depth == BitDepth::Sixteen;
     let pixel = colour.samples() as u64 * if is_wide { 2 } else { 1 };
     check_packed([width.into(), height.into()], pixel, bytes.len() as u64)?;
-    let mut packed = vec![0; reader.output_buffer_size().unwrap_or(0)];
-    reader.next_frame(&mut packed).map_err(broken)?;
-    let words = |pair: &[u8]| u16::from_be_bytes([pair[0], pair[1]]);
+    let length = reader.output_buffer_size().unwrap_or(0);
+    let samples = if is_wide {
+        let mut words = vec![0_u16; length / 2];
+        let into = bytemuck::cast_slice_mut(&mut words);
+        reader.next_frame(into).map_err(broken)?;
+        words.iter_mut().for_each(|word| *word = word.to_be());
+        Samples::Words(words)
+    } else {
+        let mut bytes = vec![0; length];
+        reader.next_frame(&mut bytes).map_err(broken)?;
+        Samples::Bytes(bytes)
+    };
     let channels = colour.samples();
     let has_colour = channels > 2;
     let exif = exif::read(Cursor::new(bytes));
     Ok(Decoded {
         stored: Stored {
             size: [width as usize, height as usize],
-            samples: match is_wide {
-                true => Samples::Words(packed.chunks_exact(2).map(words).collect()),
-                false => Samples::Bytes(packed),
-            },
+            samples,
             channels,
             has_colour,
             alpha: match channels % 2 {

@@ -5,17 +5,11 @@ use std::io::{BufReader, Read};
 
 use rayon::prelude::*;
 
-use crate::photographs::photo::channel::{Channel, Decode, REC709};
-use crate::photographs::photo::curve::Curve;
-use crate::photographs::photo::error::Fault;
-use crate::photographs::photo::format::Format;
 use crate::photographs::photo::limits::MAX_BYTES;
-use crate::photographs::photo::picture::Picture;
-use crate::photographs::photo::plane::{Photo, TURNED};
-use crate::photographs::photo::samples::{Alpha, Samples, Stored, upright};
-use crate::photographs::photo::taken::{Curves, GIVEN};
-use crate::photographs::photo::transfer::Transfer;
-use crate::photographs::photo::{jpeg, png, tiff};
+use crate::photographs::photo::{
+    Alpha, Channel, Curve, Curves, Decode, Fault, Format, GIVEN, Photo, Picture, REC709, Samples,
+    Stored, TURNED, Transfer, jpeg, png, tiff, upright,
+};
 
 /// A decoded picture, and all that its file says of it.
 pub(crate) struct Decoded {
@@ -198,52 +192,33 @@ pub(crate) fn plane(decoded: Decoded, curves: &Curves, channel: &Channel) -> Res
 /// [`Photo::clipped`] counts it.
 fn light(stored: &Stored, weights: &[f32], curves: &Curves, marks_full: bool) -> Vec<f32> {
     let channels = stored.channels;
+    // Light of every code: one table for all channels, or one for each of red, green and blue.
+    let tables = |last: u16| -> Vec<Vec<f32>> {
+        let share = |code: u16| f32::from(code) / f32::from(last);
+        let light = |curve: &Curve| (0..=last).map(|code| curve.light(share(code))).collect();
+        curves.each.iter().map(light).collect()
+    };
     match &stored.samples {
         Samples::Bytes(samples) => {
-            let light = Tables::new(curves, u8::MAX.into());
-            let light = |channel, code| light.of(channel)[usize::from(code)];
-            weigh(
-                samples,
-                channels,
-                weights,
-                marks_full.then_some(u8::MAX),
-                light,
-            )
+            let tables = tables(u8::MAX.into());
+            let light =
+                |channel: usize, code: u8| tables[channel.min(tables.len() - 1)][usize::from(code)];
+            let full = marks_full.then_some(u8::MAX);
+            weigh(samples, channels, weights, full, light)
         }
         Samples::Words(samples) => {
-            let light = Tables::new(curves, u16::MAX);
-            let light = |channel, code| light.of(channel)[usize::from(code)];
-            weigh(
-                samples,
-                channels,
-                weights,
-                marks_full.then_some(u16::MAX),
-                light,
-            )
+            let tables = tables(u16::MAX);
+            let light = |channel: usize, code: u16| {
+                tables[channel.min(tables.len() - 1)][usize::from(code)]
+            };
+            let full = marks_full.then_some(u16::MAX);
+            weigh(samples, channels, weights, full, light)
         }
         Samples::Floats(samples, is_whole) => {
             let light = |channel, value: f32| curves.of(channel).light(value);
             let full = (marks_full && *is_whole).then_some(1.0);
             weigh(samples, channels, weights, full, light)
         }
-    }
-}
-
-/// Light of every code: one table for all channels, or one for each of red, green and blue.
-struct Tables(Vec<Vec<f32>>);
-
-impl Tables {
-    /// Makes the tables for codes from 0 to `last`.
-    fn new(curves: &Curves, last: u16) -> Tables {
-        let light = |curve: &Curve| {
-            let stored = (0..=last).map(|code| f32::from(code) / f32::from(last));
-            stored.map(|stored| curve.light(stored)).collect()
-        };
-        Tables(curves.each.iter().map(light).collect())
-    }
-
-    fn of(&self, channel: usize) -> &[f32] {
-        &self.0[channel.min(self.0.len() - 1)]
     }
 }
 

@@ -18,13 +18,10 @@ use rawler::rawimage::{BlackLevel, RawPhotometricInterpretation, WhiteLevel};
 use rawler::rawsource::RawSource;
 use rawler::{CFA, Orientation, RawImage, RawImageData};
 
-use crate::photographs::photo::channel::{Channel, Decode};
-use crate::photographs::photo::error::{Fault, one_line};
-use crate::photographs::photo::exif::Settings;
-use crate::photographs::photo::limits::check_size;
-use crate::photographs::photo::plane::{Photo, TURNED};
-use crate::photographs::photo::samples::upright;
-use crate::photographs::photo::taken::Taken;
+use crate::photographs::photo::error::one_line;
+use crate::photographs::photo::{
+    Channel, Decode, Fault, Photo, Settings, TURNED, Taken, check_size, upright,
+};
 
 /// The colours of a filter, in the order of rawler's indices.
 const COLOURS: [Channel; 3] = Channel::PRIMARIES;

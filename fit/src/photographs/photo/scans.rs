@@ -69,11 +69,7 @@ impl Scans {
             if code == 0xd9 {
                 // At the end of the picture, all coefficients must have been there.
                 let is_whole = count > 0 && self.components.iter().all(|it| it.low == [0; 64]);
-                let lack = || {
-                    Some(format!(
-                        "it ends after scan {count}, before its last details"
-                    ))
-                };
+                let lack = || Some(format!("it ends after scan {count}, before all details"));
                 return is_whole.then_some(()).ok_or_else(lack);
             }
             if code == 1 || (0xd0..=0xd7).contains(&code) {
@@ -108,6 +104,7 @@ impl Scans {
                 for value in values.by_ref().take(count.into()) {
                     let entry = length << 8 | u16::from(*value);
                     codes.extend(std::iter::repeat_n(entry, 1 << (16 - length)));
+                    (codes.len() <= 1 << 16).then_some(())?;
                 }
             }
             codes.resize(1 << 16, 0);

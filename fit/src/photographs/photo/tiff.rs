@@ -3,14 +3,11 @@
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 
-use crate::photographs::photo::curve;
-use crate::photographs::photo::error::Fault;
-use crate::photographs::photo::format::Format;
-use crate::photographs::photo::limits::{check_packed, check_size};
 use crate::photographs::photo::pages::{Directory, Tiff, tag};
 use crate::photographs::photo::parts::{JPEG, UNPACKED};
-use crate::photographs::photo::raster::Decoded;
-use crate::photographs::photo::samples::{Alpha, Samples, Stored};
+use crate::photographs::photo::{
+    Alpha, Decoded, Fault, Format, Samples, Stored, check_packed, check_size, curve,
+};
 
 /// Values of `PhotometricInterpretation`.
 mod colours {
