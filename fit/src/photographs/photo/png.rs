@@ -69,7 +69,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Decoded, Fault> {
 fn stated(bytes: &[u8], info: &Info, colour: bool) -> Result<Option<Curves>, Fault> {
     let present = kinds(bytes);
     for name in ["cICP", "iCCP", "sRGB", "gAMA"] {
-        if !present.iter().any(|kind| *kind == name.as_bytes()) {
+        if !present.contains(&name.as_bytes()) {
             continue;
         }
         // A chunk that the decoder left out is damaged.

@@ -78,7 +78,7 @@ impl Scans {
             let content = file.content().ok_or_else(no_end)?;
             match (code, content) {
                 (0xc0..=0xc2, _) if self.components.is_empty() => {
-                    self.frame(code, content).ok_or(None)?
+                    self.frame(code, content).ok_or(None)?;
                 }
                 (0xc4, _) => self.huffman(content).ok_or(None)?,
                 (0xda, _) if count < MOST_SCANS => {
