@@ -442,7 +442,7 @@ impl Job<'_> {
         let table = self.table;
         let estimated = campaign(self.campaign, photo, table, options, watch);
         let estimated = estimated.map_err(|error| match error {
-            error::Error::OneAzimuth { held } => Failure::OneAzimuth {
+            error::Error::OneAzimuth(held) => Failure::OneAzimuth {
                 table: self.arguments.first_table().to_owned(),
                 held,
             },

@@ -6,7 +6,6 @@ use tables::OutputError;
 
 use crate::document::FileLine;
 use crate::estimate::error as estimate;
-use crate::estimate::scene;
 #[cfg(all(feature = "images", feature = "report"))]
 use crate::explore;
 #[cfg(feature = "images")]
@@ -29,9 +28,6 @@ pub(crate) enum Failure {
     /// Fault of a photograph.
     #[error(transparent)]
     Photo(#[from] photo::error::Error),
-    /// Fault of the scene: photographs and table together.
-    #[error(transparent)]
-    Scene(#[from] scene::Error),
     /// Fault of the table.
     #[error(transparent)]
     Table(#[from] tables::Error),
@@ -42,12 +38,7 @@ pub(crate) enum Failure {
     #[error("{}: is the fit of another model; fit this one: fit estimate captures.toml --table \
     table.h5 --model {} -o result.json",
         path.display(), asked.name())]
-    Model {
-        /// File of the result.
-        path: PathBuf,
-        /// Model that was named.
-        asked: Family,
-    },
+    Model { path: PathBuf, asked: Family },
     /// Failure of the prediction.
     #[error(transparent)]
     Predict(#[from] predict::Error),
@@ -75,9 +66,7 @@ pub(crate) enum Failure {
         table.display()
     )]
     OtherTable {
-        /// Path of the table.
         table: PathBuf,
-        /// Content hash of the table, lower-case hex.
         found: String,
         /// Option or key that names the expected hash.
         asked: String,
@@ -88,11 +77,8 @@ pub(crate) enum Failure {
         correct one of them, or leave one out"
     )]
     TwoTables {
-        /// Place of the key.
         place: FileLine,
-        /// Hash of the key.
         key: String,
-        /// Hash of the option.
         option: String,
     },
     /// Output that cannot be reserved or written.
@@ -105,41 +91,26 @@ pub(crate) enum Failure {
     /// Photograph without a usable edge.
     #[error("{}: {fault}", image.display())]
     Edge {
-        /// File of the photograph.
         image: PathBuf,
-        /// Fault of the edge.
         fault: edge::fault::Fault,
     },
     /// Folder without a photograph.
     #[error("{}: {message}; name a photograph, or a folder that holds some", folder.display())]
-    Folder {
-        /// Folder that was named.
-        folder: PathBuf,
-        /// Reason, in words.
-        message: String,
-    },
+    Folder { folder: PathBuf, message: String },
     /// Photographs that were refused, while others were measured.
     #[error(
         "{refused} of {of} photographs were refused; the lines above and the column `error` \
     say why; mend them or leave them out"
     )]
-    Refused {
-        /// Number of photographs that were refused.
-        refused: usize,
-        /// Number of all photographs.
-        of: usize,
-    },
+    Refused { refused: usize, of: usize },
     /// Frequency at which there is no curve.
     #[error(
         "--at {frequency}: lies above the sampling frequency, where no curve is; name at most \
     {most} {unit}"
     )]
     Frequency {
-        /// Frequency that was named.
         frequency: f64,
-        /// Sampling frequency.
         most: f64,
-        /// Unit of both.
         unit: &'static str,
     },
     /// Region of interest that does not lie in the photograph.
@@ -147,59 +118,38 @@ pub(crate) enum Failure {
     give x,y,width,height in pixels",
         image.display(), roi.x, roi.y, roi.width, roi.height, as_shown(*turned))]
     Roi {
-        /// File of the photograph.
         image: PathBuf,
-        /// Region that was named, pixels.
         roi: crate::photographs::Roi,
-        /// Width of the photograph, pixels.
         width: usize,
-        /// Height of the photograph, pixels.
         height: usize,
-        /// True if the photograph was turned upright.
         turned: bool,
     },
     /// File that is no JSON, or JSON of another kind.
     #[error("{}: {message}; give a file that {expected}", path.display())]
     Json {
-        /// File that was read.
         path: PathBuf,
-        /// Message of the parser.
         message: String,
-        /// End of the remedy "give a file that ...".
         expected: &'static str,
     },
     /// Result of several channels, of which none was named.
     #[error("{}: holds one result for each of the channels {held}; name one with --channel",
         path.display())]
-    Channel {
-        /// File of the result.
-        path: PathBuf,
-        /// Names of the channels in the file.
-        held: String,
-    },
+    Channel { path: PathBuf, held: String },
     /// Table of another cell than the ranges name.
     #[error("{}: is not the table of the ideal cell that is simulated; bake that table: \
     bake design {design} -o cell.obj, then \
     bake trace cell.obj --refractive-index {refractive_index} --incidence 0:45:15 --azimuth 30",
         table.display())]
     OtherCell {
-        /// File of the table.
         table: PathBuf,
-        /// Refractive index of the simulated cell.
         refractive_index: f64,
-        /// Design of the simulated cell.
         design: &'static str,
     },
     /// Table without the azimuths that `--fit-azimuth` needs.
     #[error("--fit-azimuth: {} does not tell azimuths apart ({held}); bake one of all azimuths: \
     bake trace --azimuth full --direction-tolerance 0.005",
         table.display())]
-    OneAzimuth {
-        /// File of the table.
-        table: PathBuf,
-        /// Azimuths that the table holds, in words.
-        held: &'static str,
-    },
+    OneAzimuth { table: PathBuf, held: &'static str },
     /// Failure of terminal, threads or outputs, which both programs share.
     #[error(transparent)]
     Terminal(#[from] tables::cli::Error),
@@ -237,7 +187,7 @@ impl Failure {
             Failure::Terminal(tables::cli::Error::PlotExtension(_)) => 2,
             Failure::Frequency { .. } | Failure::Usage(_) => 2,
             #[cfg(feature = "images")]
-            Failure::Render(render::Error::Ending { .. }) => 2,
+            Failure::Render(render::Error::Ending(_)) => 2,
             _ => 1,
         }
     }

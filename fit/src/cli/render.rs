@@ -283,9 +283,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .chain(&arguments.params)
         .chain(&arguments.view);
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
-    let ending = || render::Error::Ending {
-        path: arguments.output.clone(),
-    };
+    let ending = || render::Error::Ending(arguments.output.clone());
     let writing = Writing::of(&arguments.output).ok_or_else(ending)?;
     let output = outputs.reserve(&arguments.output)?;
     let table = (arguments.by_hand).table("fit render", arguments.table.as_deref())?;
@@ -470,10 +468,6 @@ fn encoded(
     writing: Writing,
     arguments: &Arguments,
 ) -> Result<Vec<u8>, render::Error> {
-    image
-        .encode(writing)
-        .map_err(|message| render::Error::Encode {
-            path: arguments.output.clone(),
-            message,
-        })
+    let failed = |message| render::Error::Encode(arguments.output.clone(), message);
+    image.encode(writing).map_err(failed)
 }

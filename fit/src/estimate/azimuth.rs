@@ -138,7 +138,7 @@ fn check(table: &Table) -> Result<(), Error> {
     } else {
         return Ok(());
     };
-    Err(Error::OneAzimuth { held })
+    Err(Error::OneAzimuth(held))
 }
 
 /// Finds the azimuth under `choice`. Returns it with the scene at this azimuth.

@@ -155,12 +155,13 @@ impl Estimated {
 /// photographs, from their files (`Shot::load`) or from memory.
 ///
 /// # Errors
-/// Returns [`Error::Scene`] if a photograph cannot be read or measured or if the table lacks its
-/// direction, [`Error::Table`] if the table lacks an azimuth that is tried, [`Error::OneAzimuth`]
-/// if an azimuth is wanted and the table has only one, [`Error::Conflict`] if options exclude each
-/// other, [`Error::Wave`] or [`Error::Hollow`] if the only kernel named cannot be used with the
-/// table or the campaign, [`Error::NothingOpen`] if there is no candidate, [`Error::NoFit`] if the
-/// fit fails, and [`Error::Cancelled`] if the flag of `watch` is set.
+/// Returns [`Error::Captures`], [`Error::Edge`] or [`Error::Sharper`] if a photograph cannot be
+/// read or measured, [`Error::Direction`] or [`Error::NothingLeft`] if the table lacks its direction
+/// or returns no light, [`Error::Table`] if the table lacks an azimuth that is tried,
+/// [`Error::OneAzimuth`] if an azimuth is wanted and the table has only one, [`Error::Conflict`] if
+/// options exclude each other, [`Error::Wave`] or [`Error::Hollow`] if the only kernel named cannot
+/// be used with the table or the campaign, [`Error::NothingOpen`] if there is no candidate,
+/// [`Error::NoFit`] if the fit fails, and [`Error::Cancelled`] if the flag of `watch` is set.
 pub fn campaign(
     campaign: &Campaign,
     photo: &Source,
@@ -192,9 +193,7 @@ pub fn campaign(
         near = (best.choice, best.solution.parameters.clone());
     }
     if !is_finite(&best) {
-        return Err(Error::NoFit {
-            manifest: campaign.file.clone(),
-        });
+        return Err(Error::NoFit(campaign.file.clone()));
     }
     let mut warnings = of_scene(&scene, table, &best);
     if campaign.setup.seen_in_mirror.is_none() {

@@ -2,51 +2,67 @@
 
 use std::path::PathBuf;
 
-use crate::estimate::scene;
 use crate::estimate::watch::Cancelled;
 use crate::model::wave;
+use crate::photographs::captures;
+use crate::photographs::edge::fault::Fault;
 
 /// Reason why an estimate failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Photographs that make no scene.
+    /// Manifest or photograph that cannot be read.
     #[error(transparent)]
-    Scene(scene::Error),
+    Captures(#[from] captures::Error),
+    /// Direction that the table does not have.
+    #[error("{}: capture \"{image}\": {source}", manifest.display())]
+    Direction {
+        /// File of the manifest.
+        manifest: PathBuf,
+        /// Image of the capture.
+        image: String,
+        /// Error of the table. It is boxed, because otherwise every result of the crate would be
+        /// larger.
+        source: Box<tables::Error>,
+    },
+    /// Photograph without a usable edge.
+    #[error("{}: {}", .0.display(), .1)]
+    Edge(PathBuf, Fault),
+    /// Photograph that is sharper than the reference.
+    #[error("{}: capture \"{image}\" is sharper than the [reference], but a sheet only adds blur: \
+             the two photographs may be exchanged, or the reference is out of focus; exchange or \
+             repeat them", manifest.display())]
+    Sharper {
+        /// File of the manifest.
+        manifest: PathBuf,
+        /// Image of the capture.
+        image: String,
+    },
+    /// Campaign in which no capture returns light.
+    #[error("{}: no capture is left: the table says that nothing is retroreflected at the \
+             incidence of any capture; photograph at smaller incidences, or check azimuth_deg",
+             .0.display())]
+    NothingLeft(PathBuf),
     /// Table without a direction that is needed.
     #[error(transparent)]
     Table(#[from] tables::Error),
     /// Wave kernel named alone, but impossible with this campaign and table.
-    #[error("{}: {fault}", manifest.display())]
-    Wave {
-        /// File of the manifest.
-        manifest: PathBuf,
-        /// Reason why there are no waves.
-        fault: wave::Fault,
-    },
+    #[error("{}: {}", .0.display(), .1)]
+    Wave(PathBuf, wave::Fault),
     /// Baseline that needs a front face, named alone for hollow cubes.
     #[error("{}: --model guo needs a front face, but the table's cubes are hollow (refractive \
-             index 1); choose another --model", manifest.display())]
-    Hollow {
-        /// File of the manifest.
-        manifest: PathBuf,
-    },
-    /// Table that cannot tell the azimuth.
+             index 1); choose another --model", .0.display())]
+    Hollow(PathBuf),
+    /// Table that cannot tell the azimuth, and the azimuths that it holds, in words.
     #[error(
-        "--fit-azimuth: the table says nothing of other azimuths ({held}); bake them all: bake \
+        "--fit-azimuth: the table says nothing of other azimuths ({0}); bake them all: bake \
         trace --azimuth full --direction-tolerance 0.005"
     )]
-    OneAzimuth {
-        /// Azimuths that the table holds, in words.
-        held: &'static str,
-    },
+    OneAzimuth(&'static str),
     /// Fit without a finite optimum.
     #[error("{}: the fit failed (the model is not finite near its starting values); \
-             check pixel_pitch_mm and the distances", manifest.display())]
-    NoFit {
-        /// File of the manifest.
-        manifest: PathBuf,
-    },
+             check pixel_pitch_mm and the distances", .0.display())]
+    NoFit(PathBuf),
     /// Options that exclude each other.
     #[error(transparent)]
     Conflict(#[from] Conflict),
@@ -56,15 +72,6 @@ pub enum Error {
     /// Estimate stopped by its caller.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-}
-
-impl From<scene::Error> for Error {
-    fn from(error: scene::Error) -> Error {
-        match error {
-            scene::Error::Cancelled(cancelled) => Error::Cancelled(cancelled),
-            other => Error::Scene(other),
-        }
-    }
 }
 
 /// Pair of options that exclude each other.

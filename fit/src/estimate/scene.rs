@@ -4,7 +4,6 @@
 //! Nothing rewrites a scene. Placing it otherwise, or evaluating it by samples, makes another scene
 //! that shares the photographs.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -13,73 +12,24 @@ use tables::{Direction, Table};
 
 use crate::compare::Pixels;
 use crate::compare::View;
+use crate::estimate::error::Error;
 use crate::estimate::facing::{Along, Facing, Returned};
 use crate::estimate::optics::Optics;
 use crate::estimate::reference;
 use crate::estimate::reference::Reference;
 use crate::estimate::remarks;
-use crate::estimate::watch::{Cancelled, Step, Watch};
+use crate::estimate::watch::{Step, Watch};
 use crate::model::Camera;
 use crate::model::wave;
 use crate::names::Kernel;
 use crate::names::Spectrum;
 use crate::photographs::Measurement;
 use crate::photographs::captures;
-use crate::photographs::edge;
 use crate::photographs::measure;
 use crate::photographs::photo::plane::Photo;
 use crate::photographs::photo::taken::Taken;
 use crate::photographs::{Campaign, Capture};
 use crate::samples::Sampled;
-
-/// Reason why a campaign makes no scene.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// Manifest or photograph that cannot be read.
-    #[error(transparent)]
-    Captures(#[from] captures::Error),
-    /// Direction that the table does not have.
-    #[error("{}: capture \"{image}\": {source}", manifest.display())]
-    Direction {
-        /// File of the manifest.
-        manifest: PathBuf,
-        /// Image of the capture.
-        image: String,
-        /// Error of the table. It is boxed, because otherwise every result of the crate would be
-        /// larger.
-        source: Box<tables::Error>,
-    },
-    /// Photograph without a usable edge.
-    #[error("{}: {fault}", image.display())]
-    Edge {
-        /// File of the photograph.
-        image: PathBuf,
-        /// Fault of the edge.
-        fault: edge::fault::Fault,
-    },
-    /// Photograph that is sharper than the reference.
-    #[error("{}: capture \"{image}\" is sharper than the [reference], but a sheet only adds blur: \
-             the two photographs may be exchanged, or the reference is out of focus; exchange or \
-             repeat them", manifest.display())]
-    Sharper {
-        /// File of the manifest.
-        manifest: PathBuf,
-        /// Image of the capture.
-        image: String,
-    },
-    /// Estimate stopped by its caller.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// Campaign in which no capture returns light.
-    #[error("{}: no capture is left: the table says that nothing is retroreflected at the \
-             incidence of any capture; photograph at smaller incidences, or check azimuth_deg",
-             manifest.display())]
-    NothingLeft {
-        /// File of the manifest.
-        manifest: PathBuf,
-    },
-}
 
 /// Function that supplies the photograph of a shot.
 pub(crate) type Source<'a> = dyn Fn(&captures::Shot) -> Result<Photo, captures::Error> + Sync + 'a;
@@ -223,9 +173,7 @@ impl Scene {
         }
         let mut shots: Vec<Aerial> = read.into_iter().flatten().collect();
         if shots.is_empty() {
-            return Err(Error::NothingLeft {
-                manifest: campaign.file.clone(),
-            });
+            return Err(Error::NothingLeft(campaign.file.clone()));
         }
         warnings.extend(remarks::of_bins(
             table,
@@ -408,10 +356,7 @@ fn measure(
     camera: &Camera,
 ) -> Result<Measured, Error> {
     let photo = photo(shot)?;
-    let fault = |fault| Error::Edge {
-        image: shot.image.clone(),
-        fault,
-    };
+    let fault = |fault| Error::Edge(shot.image.clone(), fault);
     let Measurement {
         as_lit,
         line,

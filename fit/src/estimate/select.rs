@@ -109,9 +109,7 @@ impl Candidates {
             .iter()
             .any(|shot| shot.facing.refractive_index <= 1.0);
         if hollow && candidates.kernels == [Kernel::Guo] {
-            return Err(Error::Hollow {
-                manifest: manifest.to_owned(),
-            });
+            return Err(Error::Hollow(manifest.to_owned()));
         }
         if hollow {
             let front = |kernel: &Kernel| *kernel == Kernel::SaitoSurface;
@@ -121,10 +119,7 @@ impl Candidates {
             && let Err(fault) = scene.waves()
         {
             if candidates.kernels == [Kernel::Wave] {
-                return Err(Error::Wave {
-                    manifest: manifest.to_owned(),
-                    fault,
-                });
+                return Err(Error::Wave(manifest.to_owned(), fault));
             }
             candidates.kernels.retain(|&kernel| kernel != Kernel::Wave);
             if fault != wave::Fault::NoWavelength {

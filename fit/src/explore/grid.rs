@@ -38,11 +38,8 @@ pub(crate) enum Error {
         distance_mm[0]
     )]
     Large {
-        /// Size of the numbers in the page, MB.
         megabytes: f64,
-        /// Farthest shift, edge lengths.
         reach: f64,
-        /// Distances of the page, mm.
         distance_mm: [f64; 2],
     },
     /// Table of so many polygons that a page would take many minutes.
@@ -50,10 +47,7 @@ pub(crate) enum Error {
         "the polygons of a direction of the table have {corners} corners, and pages take at most \
         {MOST_CORNERS}; use fit render"
     )]
-    ManyCorners {
-        /// Number of corners.
-        corners: usize,
-    },
+    ManyCorners { corners: usize },
 }
 
 /// Corners of the polygons of a direction, at most. Cells of one or two cubes have 10 to 60. The

@@ -11,8 +11,7 @@ pub(crate) mod view;
 
 use std::path::PathBuf;
 
-use crate::document;
-use crate::images::render::psf::{Fault, Psf};
+use crate::images::render::psf::{LARGEST, Psf};
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
 use crate::images::render::view::{CameraView, Seen};
@@ -27,42 +26,50 @@ use crate::photographs::photo::picture::Picture;
 #[non_exhaustive]
 pub(crate) enum Error {
     /// Output file that ends neither in .exr nor in .png.
-    #[error("{}: an image is written as .exr or .png; give one of these endings", path.display())]
-    Ending {
-        /// Output file.
-        path: PathBuf,
-    },
-    /// Image that the encoder cannot write.
-    #[error("{}: the image could not be encoded ({message}); try the other of .exr and .png",
-        path.display())]
-    Encode {
-        /// Output file.
-        path: PathBuf,
-        /// Message of the encoder.
-        message: String,
-    },
-    /// Blur that cannot be computed.
+    #[error("{}: an image is written as .exr or .png; give one of these endings", .0.display())]
+    Ending(PathBuf),
+    /// Image that the encoder cannot write, and its message.
+    #[error("{}: the image could not be encoded ({}); try the other of .exr and .png",
+        .0.display(), .1)]
+    Encode(PathBuf, String),
+    /// Sheet without a blur at this place.
     #[error(transparent)]
-    Blur(#[from] Fault),
-    /// View file that cannot be read, or view that does not show the sheet.
+    Sheet(#[from] crate::predict::Error),
+    /// Blur that reaches too many pixels.
+    #[error(
+        "the blur at incidence {incidence_deg} deg, distance {r_mm} mm is {size} pixels wide, and \
+        at most {LARGEST} are computed; give the size of the picture as --width, mm, so that it \
+        gets fewer pixels (which loses nothing under such a blur), or a larger one"
+    )]
+    Wide {
+        incidence_deg: f64,
+        r_mm: f64,
+        size: usize,
+    },
+    /// View file that cannot be read.
     #[error(transparent)]
-    CameraView(#[from] document::Error),
+    CameraView(#[from] crate::document::Error),
+    /// Camera that is behind the sheet, at a column and row from the middle of the picture.
+    #[error("{}: the camera sees the back of the sheet at pixel ({:.0}, {:.0}); turn `normal` of \
+        [sheet] towards the camera", .0.display(), .1[0], .1[1])]
+    Back(PathBuf, [f64; 2]),
+    /// Sheet in front of the image, at a column and row from the middle of the picture.
+    #[error("{}: at pixel ({:.0}, {:.0}) the sheet is not behind the image; move `position_mm` of \
+        [sheet] away from the camera", .0.display(), .1[0], .1[1])]
+    Before(PathBuf, [f64; 2]),
+    /// Camera in the plane of the image.
+    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] in front \
+        of the image", .0.display())]
+    Edge(PathBuf),
     /// Model without samples: only its OTF is known.
     #[error(
         "the model of this result has no samples: --forward render works only with the kernels \
         eq1, angular, shift and lobe; use --forward spectral"
     )]
     NoSamples,
-    /// Pixel whose blur cannot be computed.
-    #[error("at pixel ({column:.0}, {row:.0}) of the view: {fault}")]
-    Pixel {
-        /// Column of the pixel.
-        column: f64,
-        /// Row of the pixel.
-        row: f64,
-        /// Reason.
-        fault: Box<Fault>,
-    },
+    /// Pixel, by column and row, whose blur cannot be computed.
+    #[error("at pixel ({:.0}, {:.0}) of the view: {}", .0[0], .0[1], .1)]
+    Pixel([f64; 2], Box<Error>),
 }
 
 /// Scale and orientation of a picture in the mid-air image.
@@ -91,12 +98,12 @@ impl Scale {
 /// Where mu is not known, [`Psf::energy`] is `None`, and [`uniform`] uses 1.
 ///
 /// # Errors
-/// Returns a [`Fault`] if the sheet has no blur at this place, or if the blur is too wide.
+/// Returns an [`Error`] if the sheet has no blur at this place, or if the blur is too wide.
 pub(crate) fn uniform_psf(
     sheet: &dyn Sheet,
     place: &Viewpoint,
     scale: &Scale,
-) -> Result<Psf, Fault> {
+) -> Result<Psf, Error> {
     Psf::new(sheet, place, scale.pixels_from_mm())
 }
 
@@ -142,8 +149,8 @@ pub(crate) fn uniform(source: &Picture, psf: &Psf, watch: Watch<'_>) -> Picture 
 /// times the share that the face reflects by Fresnel's equations.
 ///
 /// # Errors
-/// Returns [`Error::CameraView`] if the view does not show the sheet, and [`Error::Pixel`] if the blur
-/// of a pixel cannot be computed.
+/// Returns the error of [`CameraView::at`] if the view does not show the sheet, and
+/// [`Error::Pixel`] if the blur of a pixel cannot be computed.
 pub(crate) fn viewed(
     source: &Picture,
     sheet: &dyn Sheet,
@@ -161,11 +168,7 @@ pub(crate) fn viewed(
             ..
         } = seen(at)?;
         let psf = Psf::new(sheet, &place, pixels_from_mm);
-        psf.map_err(|fault| Error::Pixel {
-            column: at[0].max(0.0),
-            row: at[1].max(0.0),
-            fault: Box::new(fault),
-        })
+        psf.map_err(|error| Error::Pixel(at.map(|side| side.max(0.0)), Box::new(error)))
     })?;
     let mut planes = tiles.render(&source.planes, size, watch);
     coat(&mut planes, source, view, half_mirror)?;
@@ -181,7 +184,7 @@ pub(crate) fn viewed(
 fn seen_by<'a>(
     view: &'a CameraView,
     source: &Picture,
-) -> impl Fn([f64; 2]) -> Result<Seen, document::Error> + Sync + use<'a> {
+) -> impl Fn([f64; 2]) -> Result<Seen, Error> + Sync + use<'a> {
     let middle = middle(source);
     move |[x, y]| view.at([x - middle[0], y - middle[1]])
 }
@@ -200,7 +203,7 @@ fn coat(
     source: &Picture,
     view: &CameraView,
     half_mirror: f64,
-) -> Result<(), document::Error> {
+) -> Result<(), Error> {
     let Some(index) = view.coating else {
         return Ok(());
     };
@@ -208,7 +211,7 @@ fn coat(
     let seen = seen_by(view, source);
     for (plane, own) in planes.iter_mut().zip(&source.planes) {
         let rows = plane.par_chunks_exact_mut(source.width).enumerate();
-        rows.try_for_each(|(y, row)| -> Result<(), document::Error> {
+        rows.try_for_each(|(y, row)| -> Result<(), Error> {
             for (x, value) in row.iter_mut().enumerate() {
                 let Seen {
                     place, mirrored, ..

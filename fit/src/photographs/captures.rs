@@ -18,9 +18,9 @@ use crate::names::Spectrum;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::photo::exif::Settings;
 use crate::photographs::photo::held::Held;
 use crate::photographs::photo::plane::{Photo, as_shown};
-use crate::photographs::photo::settings::Settings;
 use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::roi::Roi;
 

@@ -166,9 +166,7 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
     }
     let ripple = 8.0 * profile.variance.iter().copied().fold(0.0, f64::max).sqrt();
     if high - low > 1.35 * step + ripple {
-        return Err(Fault::SeveralEdges {
-            ratio: (high - low) / step,
-        });
+        return Err(Fault::SeveralEdges((high - low) / step));
     }
     let half = 0.5 * (dark + bright);
     let crossing = (0..n - 1)

@@ -86,9 +86,8 @@ pub fn edge(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Me
         }
     }
     if edges.len() > 1 {
-        return Err(Fault::Choice {
-            rois: edges.into_iter().map(|(roi, _)| roi).collect(),
-        });
+        let rois = edges.into_iter().map(|(roi, _)| roi);
+        return Err(Fault::Choice(rois.collect()));
     }
     match (edges.pop(), fault) {
         (Some((roi, _)), fault) => {
@@ -101,7 +100,7 @@ pub fn edge(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Me
             Ok(measurement)
         }
         (None, Fault::SeveralEdges { .. } | Fault::NotAlone { .. }) if marks > 1 => {
-            Err(Fault::NoSlantedEdge { marks })
+            Err(Fault::NoSlantedEdge(marks))
         }
         (None, fault) => Err(fault),
     }
@@ -179,7 +178,7 @@ impl Measurement {
     pub fn even_enough(&self) -> Result<(), Fault> {
         let unevenness = self.unevenness;
         if unevenness > MOST_EVENED {
-            return Err(Fault::Uneven { unevenness });
+            return Err(Fault::Uneven(unevenness));
         }
         Ok(())
     }
@@ -216,7 +215,7 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
             lights.push(light);
             unevenness = illumination::unevenness(&lights, &window);
             if unevenness > MOST_UNEVEN {
-                return Err(Fault::Uneven { unevenness });
+                return Err(Fault::Uneven(unevenness));
             }
             window.change(|pixel| pixel.value / light.at(pixel));
         }
@@ -240,7 +239,7 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
         }
         let share = off as f64 / pixels as f64;
         if share > MOST_OFF {
-            return Err(Fault::NotAlone { share });
+            return Err(Fault::NotAlone(share));
         }
         // The first round has looked for the light of a straight edge.
         let was_bent = round == 0 && line.bend.is_some();

@@ -23,7 +23,6 @@ mod window;
 
 pub use captures::{Campaign, Capture, Setup, Shot};
 #[cfg(test)]
-#[cfg(test)]
 pub(crate) use edge::locate;
 pub use measure::Measurement;
 pub(crate) use noise::PixelNoise;

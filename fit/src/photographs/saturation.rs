@@ -44,7 +44,7 @@ pub(crate) fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault
     let zeros = values.iter().filter(|&&v| v == 0.0).count() as f64 / values.len().max(1) as f64;
     let dark_codes = integers && low >= 0.0 && high < DARKEST && zeros > MOST_ZERO;
     if !values.is_empty() && (low == 0.0 && high == 0.0 || dark_codes) {
-        return Err(Fault::Black { share: zeros });
+        return Err(Fault::Black(zeros));
     }
     let (mut dark, mut bright): (Vec<f32>, Vec<f32>) =
         values.into_iter().partition(|&v| v < middle);
@@ -92,7 +92,7 @@ pub(crate) fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault
     }
     let zero = share(&dark, &|v| v == 0.0);
     if zero > MOST_ZERO && low >= 0.0 && high > 0.0 && (integers || brights[0].share < 0.5) {
-        return Err(Fault::CutOff { share: zero });
+        return Err(Fault::CutOff(zero));
     }
     let clipping = photo
         .clip_level

@@ -13,21 +13,15 @@ pub enum Error {
         --kernel without it, or add photographs",
         parameter.name()
     )]
-    Unknown {
-        /// The parameter.
-        parameter: ParameterKind,
-    },
+    Unknown { parameter: ParameterKind },
     /// Number of a result that no sheet and no camera has.
     #[error(
         "the result says that {what} is {value}, but it must be {must_be}; estimate again, or \
         correct the file"
     )]
     Number {
-        /// Key of the number in the result.
         what: &'static str,
-        /// The number.
         value: f64,
-        /// The condition in words, to follow "must be".
         must_be: &'static str,
     },
     /// Table of another cell than the one that was fitted.
@@ -36,21 +30,15 @@ pub enum Error {
         with another {differs}; give a table of the fitted cell, or fit again"
     )]
     OtherCell {
-        /// Design and content hash of the table in the result.
         fitted: String,
-        /// Design and content hash of the table that was given.
         given: String,
-        /// Properties that differ.
         differs: String,
     },
     /// Incidence at which nothing is retroreflected.
     #[error(
         "nothing is retroreflected at incidence {incidence_deg} deg; name a smaller --incidence"
     )]
-    Dark {
-        /// Incidence, degrees.
-        incidence_deg: f64,
-    },
+    Dark { incidence_deg: f64 },
     /// Direction that the table does not have.
     #[error(transparent)]
     Direction(#[from] tables::Error),

@@ -19,12 +19,7 @@ pub(crate) enum Error {
     /// Picture that the drawing library cannot draw.
     #[error("{}: the plot could not be drawn ({message}); try the other of .svg and .png",
         path.display())]
-    Drawing {
-        /// Output file.
-        path: PathBuf,
-        /// Message of the library.
-        message: String,
-    },
+    Drawing { path: PathBuf, message: String },
 }
 
 /// Colours of the curves of one panel, by photograph.

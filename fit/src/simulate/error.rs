@@ -18,39 +18,27 @@ pub enum Error {
         name one of these",
         kernel.name()
     )]
-    Unplanted {
-        /// The kernel that was asked for.
-        kernel: Kernel,
-    },
+    Unplanted { kernel: Kernel },
     /// A sheet that cannot be photographed.
     #[error("the sheet of the table: {why}")]
-    Sheet {
-        /// The reason, and what to do.
-        why: String,
-    },
+    Sheet { why: String },
     /// An output folder that is not empty.
     #[error(
         "{folder}: is not empty; name another folder or add --force to overwrite the files of a \
         campaign in it"
     )]
-    NotEmpty {
-        /// Path of the folder.
-        folder: PathBuf,
-    },
-    /// A file or folder that cannot be written.
+    NotEmpty { folder: PathBuf },
+    /// A file, folder or photograph that cannot be written.
     #[error(
         "{file}: cannot be written ({source}); check the path, its permissions and the space left"
     )]
     Write {
-        /// Path of the file or folder.
         file: PathBuf,
-        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A photograph that cannot be packed as JPEG.
     #[error("a photograph cannot be packed as JPEG ({source}); make it smaller")]
     Jpeg {
-        /// The encoder's or decoder's error.
         #[from]
         source: image::ImageError,
     },

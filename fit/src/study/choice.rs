@@ -160,7 +160,7 @@ fn silent(params: &Params, table: &Table) -> Result<Scene, Error> {
     };
     let campaign = trial::campaign(params, &[Accepted::Doubled]);
     let photographs = trial::source(params, photograph);
-    Ok(Scene::of(&campaign, table, &photographs)?)
+    Scene::of(&campaign, table, &photographs)
 }
 
 /// Returns the bounds on c (from above) and a (from below) with the planted values. The bound of a

@@ -6,7 +6,6 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use crate::estimate::Error;
-use crate::estimate::scene;
 
 /// Campaigns refused for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -50,10 +49,10 @@ pub(crate) fn part<T>(all: impl IntoIterator<Item = Result<T, Error>>) -> (Vec<T
 
 fn reason(error: &Error) -> &'static str {
     match error {
-        Error::Scene(scene::Error::Edge { fault, .. }) => fault.kind(),
-        Error::Scene(scene::Error::NothingLeft { .. }) => "nothing retroreflected",
-        Error::Scene(scene::Error::Sharper { .. }) => "sharper than the reference",
-        Error::Scene(_) => "no photograph",
+        Error::Edge(_, fault) => fault.kind(),
+        Error::NothingLeft(_) => "nothing retroreflected",
+        Error::Sharper { .. } => "sharper than the reference",
+        Error::Captures(_) | Error::Direction { .. } => "no photograph",
         _ => "no estimate",
     }
 }

@@ -2,7 +2,6 @@
 
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 
-mod adobe;
 mod azimuth;
 mod bad_inputs;
 mod baselines;
@@ -19,10 +18,10 @@ mod edge;
 mod estimate;
 #[cfg(feature = "report")]
 #[cfg(all(feature = "images", feature = "report"))]
+mod exif;
 mod explore;
 mod exponent;
 mod export;
-mod exposure;
 mod forward;
 mod jpeg;
 mod known;
@@ -45,7 +44,6 @@ mod ripples;
 mod sample;
 mod simulate_campaign;
 mod statistics;
-mod strips;
 mod study;
 mod suspects;
 mod transfers;

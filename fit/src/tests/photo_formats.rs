@@ -64,6 +64,20 @@ fn assert_light(file: &Path, options: &Decode, expected: impl Fn(f32) -> f32, to
     assert_eq!(photo.at(WIDTH, 0), None);
 }
 
+fn of(channel: Channel) -> Decode {
+    Decode {
+        transfer: None,
+        channel,
+    }
+}
+
+fn by(transfer: Transfer) -> Decode {
+    Decode {
+        transfer: Some(transfer),
+        channel: Channel::Luminance,
+    }
+}
+
 #[test]
 fn exr_sample_types_encodings_and_windows() {
     let folder = tempfile::tempdir().unwrap();
@@ -129,15 +143,7 @@ fn exr_channels_and_layers() {
     ];
     for (channel, scale) in &wanted {
         // The tolerance is that of three products and two sums in f32.
-        assert_light(
-            &file,
-            &Decode {
-                transfer: None,
-                channel: channel.clone(),
-            },
-            |v| scale * v,
-            1e-6,
-        );
+        assert_light(&file, &of(channel.clone()), |v| scale * v, 1e-6);
     }
     let photo = photo::load(&file, &Decode::default()).unwrap();
     assert!(
@@ -163,10 +169,7 @@ fn exr_channels_and_layers() {
         "{:?}",
         photo.warnings
     );
-    let named = Decode {
-        transfer: None,
-        channel: Channel::from_name("two.Y"),
-    };
+    let named = of(Channel::from_name("two.Y"));
     assert_light(&file, &named, |v| 3.0 * v, 0.0);
     assert_eq!(wanted.len(), 5);
 }
@@ -274,10 +277,7 @@ fn integer_formats() {
     for format in [ImageFormat::Png, ImageFormat::Tiff] {
         let grey = save(folder.path(), "grey16.x", grey16.clone(), format);
         assert_light(&grey, &plain, |v| v, half_step);
-        let encoded = Decode {
-            transfer: Some(Transfer::Srgb),
-            channel: Channel::Luminance,
-        };
+        let encoded = by(Transfer::Srgb);
         // The slope of the sRGB curve is at most 2.3.
         assert_light(
             &grey,
@@ -287,15 +287,7 @@ fn integer_formats() {
         );
         let colour = save(folder.path(), "rgb16.x", rgb16.clone(), format);
         assert_light(&colour, &plain, |v| (0.2126 + 0.5 * 0.0722) * v, half_step);
-        assert_light(
-            &colour,
-            &Decode {
-                transfer: None,
-                channel: Channel::Blue,
-            },
-            |v| 0.5 * v,
-            half_step,
-        );
+        assert_light(&colour, &of(Channel::Blue), |v| 0.5 * v, half_step);
         let grey = save(folder.path(), "grey8.x", grey8.clone(), format);
         assert_light(&grey, &plain, srgb, 1e-6);
         let warnings = photo::load(&grey, &plain).unwrap().warnings;
@@ -303,10 +295,7 @@ fn integer_formats() {
             warnings[0].contains("in spite of its name") && warnings[1].contains("8-bit"),
             "{warnings:?}"
         );
-        let linear = Decode {
-            transfer: Some(Transfer::Linear),
-            channel: Channel::Luminance,
-        };
+        let linear = by(Transfer::Linear);
         assert_light(&grey, &linear, |v| byte(v) as f32 / 255.0, 1e-6);
         assert_light(
             &save(folder.path(), "rgba8.x", rgba8.clone(), format),
@@ -397,17 +386,7 @@ fn saturated_pixels_are_counted() {
         Rgb([if x < 3 && y < 2 { 255_u8 } else { 200 }, 100, 100])
     });
     let file = save(folder.path(), "red.png", red, ImageFormat::Png);
-    let count = |channel| {
-        photo::load(
-            &file,
-            &Decode {
-                transfer: None,
-                channel,
-            },
-        )
-        .unwrap()
-        .clipped()
-    };
+    let count = |channel| photo::load(&file, &of(channel)).unwrap().clipped();
     // Red is saturated in 6 pixels, green in none.
     assert_eq!(
         [

@@ -667,7 +667,7 @@ fn a_chart_offers_its_edges() {
     let mut cases = 0;
     for tilt in [4.0, 10.0, -15.0, 30.0] {
         let photo = chart(600, 400, square(tilt));
-        let Err(Fault::Choice { rois }) = edge(&photo, None, &[]) else {
+        let Err(Fault::Choice(rois)) = edge(&photo, None, &[]) else {
             panic!(
                 "{tilt} deg: {:?}",
                 edge(&photo, None, &[]).map(|m| m.warnings)

@@ -6,7 +6,7 @@ mod views;
 
 use crate::images::Scale;
 use crate::images::render;
-use crate::images::render::psf::{Fault, Psf};
+use crate::images::render::psf::Psf;
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
 use crate::images::{Sampler, Sheet, Spot, TAIL, UNWATCHED, Viewpoint};
@@ -324,7 +324,7 @@ fn tiles_meet_every_pixels_own_weights() {
     let size = [48, 30];
     let source = picture(size[0], size[1], 0);
     // Both the width and the energy change across the picture.
-    let at = |[x, y]: [f64; 2]| -> Result<Psf, Fault> {
+    let at = |[x, y]: [f64; 2]| -> Result<Psf, render::Error> {
         Psf::new(&Squares, &place(3.0 + 0.05 * x, 0.01 * y), PIXELS)
     };
     let tolerance = 0.01;
@@ -366,7 +366,7 @@ fn tiles_of_one_blur_in_linear_light_are_exact() {
         let across = corners[k] + (corners[k + 1] - corners[k]) * (at - k as f64);
         across * (0.4 + 0.6 * (y + 0.5) / size[1] as f64)
     };
-    let at = |place: [f64; 2]| -> Result<Psf, Fault> {
+    let at = |place: [f64; 2]| -> Result<Psf, render::Error> {
         let energy = Some(light(place));
         Ok(Psf {
             energy,

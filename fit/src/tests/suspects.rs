@@ -7,7 +7,6 @@ use std::sync::{Arc, Mutex};
 use image::{ImageBuffer, Luma};
 
 use crate::estimate::campaign::campaign;
-use crate::estimate::scene;
 use crate::estimate::{
     Candidates, Error, Estimated, Kind, Options, OtherTable, Scene, Step, Verdict, Watch,
 };
@@ -503,7 +502,7 @@ fn a_reference_that_is_not_the_sharpest_is_refused() {
         let reference = manifest.reference.as_mut().unwrap();
         std::mem::swap(&mut reference.image, &mut manifest.captures[4].shot.image);
     });
-    let Err(Error::Scene(scene::Error::Sharper { image, .. })) = exchanged else {
+    let Err(Error::Sharper { image, .. }) = exchanged else {
         panic!("it must be refused");
     };
     assert_eq!(image, "source");

@@ -97,7 +97,7 @@ fn parametric(kind: u8, numbers: &[f64]) -> Vec<u8> {
 }
 
 /// The type `curveType` (ICC.1:2010, 10.5).
-fn sampled(codes: &[u16]) -> Vec<u8> {
+pub(crate) fn sampled(codes: &[u16]) -> Vec<u8> {
     let mut tag = b"curv\0\0\0\0".to_vec();
     tag.extend((codes.len() as u32).to_be_bytes());
     tag.extend(codes.iter().flat_map(|code| code.to_be_bytes()));
@@ -105,7 +105,7 @@ fn sampled(codes: &[u16]) -> Vec<u8> {
 }
 
 /// A profile (ICC.1:2010, 7) for a space with these tags.
-fn profile(space: &[u8; 4], tags: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
+pub(crate) fn profile(space: &[u8; 4], tags: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
     let mut head = vec![0_u8; 128];
     head[8..12].copy_from_slice(&[4, 0x30, 0, 0]);
     head[12..16].copy_from_slice(b"mntr");

@@ -3,7 +3,7 @@
 use crate::cli::render::facts::TileReport;
 use crate::estimate::Forward;
 use crate::images::render;
-use crate::images::render::psf::{Fault, LARGEST, Psf};
+use crate::images::render::psf::{LARGEST, Psf};
 use crate::images::render::sampled;
 use crate::images::render::sampled::Spotted;
 use crate::images::render::view::CameraView;
@@ -110,7 +110,7 @@ pub(super) fn from_afar_reduced(
         };
         let picture = reduced.as_ref().unwrap_or(source);
         let seen = from_afar(picture, sheet, place, &scale, way);
-        let Err(render::Error::Blur(Fault::Wide { size, .. })) = seen else {
+        let Err(render::Error::Wide { size, .. }) = seen else {
             return Ok((seen?, reduced, scale.pitch_mm));
         };
         factor = (factor + 1).max(factor.saturating_mul(size) / LARGEST);

@@ -18,10 +18,10 @@ use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 
+use crate::images::render::Error;
 use crate::images::spot::{Sheet, Viewpoint};
 use crate::numerics::sinc::sinc;
 use crate::numerics::smooth_odd;
-use crate::predict::Error;
 
 /// Greatest error of the transfer, at any frequency, that cutting off the sum over m may cause.
 const TOLERANCE: f64 = 1e-4;
@@ -51,29 +51,6 @@ pub(crate) struct Psf {
     pub interpolated: bool,
 }
 
-/// Reason why the weights cannot be computed.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub(crate) enum Fault {
-    /// Sheet without a blur at this place.
-    #[error(transparent)]
-    Sheet(#[from] Error),
-    /// Blur that reaches too many pixels.
-    #[error(
-        "the blur at incidence {incidence_deg} deg, distance {r_mm} mm is {size} pixels wide, and \
-        at most {LARGEST} are computed; give the size of the picture as --width, mm, so that it \
-        gets fewer pixels (which loses nothing under such a blur), or a larger one"
-    )]
-    Wide {
-        /// Incidence, degrees.
-        incidence_deg: f64,
-        /// Distance R from the sheet to the image, mm.
-        r_mm: f64,
-        /// Width of the blur, pixels.
-        size: usize,
-    },
-}
-
 impl Psf {
     /// Computes the weights at one place.
     ///
@@ -81,13 +58,13 @@ impl Psf {
     /// rows).
     ///
     /// # Errors
-    /// Returns [`Fault::Sheet`] if the sheet has no blur at this place, and [`Fault::Wide`] if the
+    /// Returns [`Error::Sheet`] if the sheet has no blur at this place, and [`Error::Wide`] if the
     /// blur is wider than [`LARGEST`] pixels.
     pub(crate) fn new(
         sheet: &dyn Sheet,
         place: &Viewpoint,
         pixels_from_mm: [[f64; 2]; 2],
-    ) -> Result<Psf, Fault> {
+    ) -> Result<Psf, Error> {
         let [[a, b], [c, d]] = pixels_from_mm;
         let mut half = 1;
         loop {
@@ -107,7 +84,7 @@ impl Psf {
             }
             // One more pixel for the width of the squares, and one for the rounding.
             let reach = [a.hypot(b), c.hypot(d)].map(|by| (spot.reach_mm() * by) as usize + 2);
-            let wide = |size: usize| Fault::Wide {
+            let wide = |size: usize| Error::Wide {
                 incidence_deg: place.incidence_deg,
                 r_mm: place.r_mm,
                 size,

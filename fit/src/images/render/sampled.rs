@@ -8,7 +8,6 @@
 
 use rayon::prelude::*;
 
-use crate::images::render::psf::Fault;
 use crate::images::render::view;
 use crate::images::render::view::CameraView;
 use crate::images::render::{Error, Scale, bilinear, coat, seen_by};
@@ -165,7 +164,7 @@ fn tell(rows: &Pieces<'_>, source: &Picture, pixel: usize) {
 /// All pixels share the samples, and each pixel uses a block of them.
 ///
 /// # Errors
-/// Returns [`Error::Blur`] if the sheet has no blur at this place, and [`Error::NoSamples`] if the
+/// Returns [`Error::Sheet`] if the sheet has no blur at this place, and [`Error::NoSamples`] if the
 /// model has no samples.
 pub(crate) fn uniform(
     source: &Picture,
@@ -176,7 +175,7 @@ pub(crate) fn uniform(
     watch: Watch<'_>,
 ) -> Result<Sampled, Error> {
     let plan = Plan::new(sampling);
-    let spot = sheet.spot(place, 0.0).map_err(Fault::from)?;
+    let spot = sheet.spot(place, 0.0)?;
     let seen = Spotted::of(*place, &*spot);
     let matrix = scale.pixels_from_mm();
     let blocks = DRAWN.div_ceil(plan.each);
@@ -218,8 +217,8 @@ pub(crate) fn uniform(
 /// [`crate::images::render::viewed`].
 ///
 /// # Errors
-/// Returns [`Error::CameraView`] if the view does not show the sheet, [`Error::Pixel`] if the blur of a
-/// pixel cannot be computed, and [`Error::NoSamples`] if the model has no samples.
+/// Returns the error of [`CameraView::at`] if the view does not show the sheet, [`Error::Pixel`] if
+/// the blur of a pixel cannot be computed, and [`Error::NoSamples`] if the model has no samples.
 pub(crate) fn viewed(
     source: &Picture,
     sheet: &dyn Sheet,
@@ -240,11 +239,7 @@ pub(crate) fn viewed(
             pixels_from_mm,
             ..
         } = seen(at)?;
-        let fault = |fault: Unshown| Error::Pixel {
-            column: at[0],
-            row: at[1],
-            fault: Box::new(fault.into()),
-        };
+        let fault = |fault: Unshown| Error::Pixel(at, Box::new(fault.into()));
         let spot = sheet.spot(&place, 0.0).map_err(fault)?;
         let spotted = Spotted::of(place, &*spot);
         if spotted.brightness() == 0.0 {

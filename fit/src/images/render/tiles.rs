@@ -11,7 +11,8 @@
 
 use rayon::prelude::*;
 
-use crate::images::render::psf::{Fault, Psf};
+use crate::images::render::Error;
+use crate::images::render::psf::Psf;
 use crate::images::render::transform::Convolver;
 use crate::images::watch::{Pieces, Watch};
 
@@ -40,12 +41,12 @@ impl Tiles {
     ///
     /// # Errors
     /// Returns the first error of `at`.
-    pub(crate) fn new<E: From<Fault> + Send>(
+    pub(crate) fn new(
         size: [usize; 2],
         tolerance: f64,
         watch: Watch<'_>,
-        at: impl Fn([f64; 2]) -> Result<Psf, E> + Sync,
-    ) -> Result<Tiles, E> {
+        at: impl Fn([f64; 2]) -> Result<Psf, Error> + Sync,
+    ) -> Result<Tiles, Error> {
         let mut counts = [1, 1];
         loop {
             let places = [0, 1].map(|axis| {
@@ -60,7 +61,7 @@ impl Tiles {
                 "blurs of corners and middles",
                 count + columns * rows,
             );
-            let scaled = |place: [f64; 2]| -> Result<Psf, E> {
+            let scaled = |place: [f64; 2]| -> Result<Psf, Error> {
                 let mut psf = at(place)?;
                 blurs.one();
                 let energy = psf.energy.unwrap_or(1.0) as f32;
@@ -72,7 +73,7 @@ impl Tiles {
             let corners: Vec<Psf> = (0..count)
                 .into_par_iter()
                 .map(corner)
-                .collect::<Result<_, E>>()?;
+                .collect::<Result<_, Error>>()?;
             let mut tiles = Tiles {
                 places,
                 corners,
@@ -80,7 +81,7 @@ impl Tiles {
             };
             let greatest = |most: f64, psf: &Psf| most.max(psf.energy.unwrap_or(1.0));
             let energy = tiles.corners.iter().fold(0.0, greatest);
-            let middle = |i: usize| -> Result<f64, E> {
+            let middle = |i: usize| -> Result<f64, Error> {
                 let tile = [i % columns, i / columns];
                 let middle = [0, 1].map(|axis| {
                     0.5 * (tiles.places[axis][tile[axis]] + tiles.places[axis][tile[axis] + 1])
@@ -88,7 +89,7 @@ impl Tiles {
                 Ok(difference(&scaled(middle)?, tiles.around(tile)))
             };
             let middles = (0..columns * rows).into_par_iter().map(middle);
-            let worst = middles.collect::<Result<Vec<f64>, E>>()?;
+            let worst = middles.collect::<Result<Vec<f64>, Error>>()?;
             let worst = worst.into_iter().fold(0.0, f64::max);
             tiles.error = if energy > 0.0 { worst / energy } else { worst };
             if tiles.error <= tolerance || counts.iter().all(|&count| count >= MOST) {

@@ -22,7 +22,8 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::document::{self, Bounds, Document, FileLine, Table, not_negative, positive};
+use crate::document::{self, Bounds, Document, Table, not_negative, positive};
+use crate::images::render::Error;
 use crate::images::spot::Viewpoint;
 
 /// Sine of the incidence below which the azimuth is not defined.
@@ -129,36 +130,24 @@ impl CameraView {
     /// # Errors
     /// Returns an error if the camera lies in the plane of the image, if it sees the back of the
     /// sheet, and if the sheet is not behind the image.
-    pub(crate) fn at(&self, [column, row]: [f64; 2]) -> Result<Seen, document::Error> {
-        let refused = |why: &str| {
-            let (file, line) = (self.file.clone(), 0);
-            Err(FileLine { file, line }.error(why))
-        };
+    pub(crate) fn at(&self, [column, row]: [f64; 2]) -> Result<Seen, Error> {
+        let file = || self.file.clone();
         let plane = self.right.cross(&self.down);
         let point = self.centre + (self.right * column + self.down * row) * self.pitch_mm;
         let to_image = (point - self.camera).norm();
         let ray = (point - self.camera) / to_image;
         let across = ray.dot(&plane);
         if to_image == 0.0 || across.abs() < 1e-6 {
-            return refused(
-                "the camera lies in the image's plane; move `position_mm` of [camera] in front of \
-                the image",
-            );
+            return Err(Error::Edge(file()));
         }
         let cosine = -ray.dot(&self.normal);
         if cosine <= 1e-6 {
-            return refused(&format!(
-                "the camera sees the back of the sheet at pixel ({column:.0}, {row:.0}); turn \
-                `normal` of [sheet] towards the camera"
-            ));
+            return Err(Error::Back(file(), [column, row]));
         }
         let to_sheet = (self.camera - self.sheet).dot(&self.normal) / cosine;
         let r_mm = to_sheet - to_image;
         if r_mm <= 0.0 {
-            return refused(&format!(
-                "at pixel ({column:.0}, {row:.0}) the sheet is not behind the image; move \
-                `position_mm` of [sheet] away from the camera"
-            ));
+            return Err(Error::Before(file(), [column, row]));
         }
         // The light arrived at the sheet along the camera's ray. u is its direction in the sheet.
         let within = ray + self.normal * cosine;

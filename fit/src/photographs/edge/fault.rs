@@ -11,91 +11,60 @@ pub enum Fault {
         "there is no edge in it: the contrast is {contrast:.3e} at a pixel noise of {noise:.3e}; \
         check the exposure, or give the roi of the edge"
     )]
-    NoContrast {
-        /// Difference in light between the two sides.
-        contrast: f64,
-        /// Standard deviation of a pixel's light.
-        noise: f64,
-    },
-    /// A profile that rises and falls.
+    NoContrast { contrast: f64, noise: f64 },
+    /// A profile that rises and falls, with its range in steps of the edge.
     #[error(
-        "it holds more than one edge (the light across it ranges over {ratio:.1} times the step); \
+        "it holds more than one edge (the light across it ranges over {0:.1} times the step); \
         give the roi of one edge"
     )]
-    SeveralEdges {
-        /// Range of the profile, in steps of the edge.
-        ratio: f64,
-    },
-    /// Several edges, each of which could be measured.
-    #[error("it holds {} edges; give the roi of one of them: {}", rois.len(), listed(rois))]
-    Choice {
-        /// Regions, one about each edge, the longest edge first.
-        rois: Vec<Roi>,
-    },
-    /// Marks of which none is an edge that can be measured.
+    SeveralEdges(f64),
+    /// Several edges, each of which could be measured: regions about them, the longest edge first.
+    #[error("it holds {} edges; give the roi of one of them: {}", .0.len(), listed(.0))]
+    Choice(Vec<Roi>),
+    /// Straight marks, so many, of which none is an edge that can be measured.
     #[error(
-        "none of its {marks} marks is a straight edge tilted by 1 to 44 degrees with 8 pixels \
+        "none of its {0} marks is a straight edge tilted by 1 to 44 degrees with 8 pixels \
         free on either side; give the roi of the edge, or tilt and enlarge it"
     )]
-    NoSlantedEdge {
-        /// Number of straight pieces found.
-        marks: usize,
-    },
+    NoSlantedEdge(usize),
     /// A window with fewer than 8 pixels on one side of the edge.
     #[error(
         "fewer than 8 pixels lie on one side of the edge; give a larger roi, centred on the edge"
     )]
     TooSmall,
-    /// A window without light.
+    /// A window without light, and the share of its pixels that are exactly 0.
     #[error(
         "the region is black: {:.1} % of its pixels are exactly 0; check the roi, or expose more",
-        100.0 * share
+        100.0 * .0
     )]
-    Black {
-        /// Share of the pixels that are exactly 0.
-        share: f64,
-    },
+    Black(f64),
     /// A bright plateau with too many clipped pixels.
     #[error(
         "{:.1} % of its bright pixels are clipped (exactly {level}): the bright plateau is lost; \
         expose less, or give a roi that is not clipped",
         100.0 * share
     )]
-    Clipped {
-        /// Share of the bright pixels that are clipped.
-        share: f64,
-        /// Value at which the pixels are clipped, linear light.
-        level: f64,
-    },
-    /// A dark plateau with too many pixels that are exactly 0.
+    Clipped { share: f64, level: f64 },
+    /// A dark plateau with too many pixels that are exactly 0, as a share.
     #[error(
         "{:.1} % of its dark pixels are exactly 0: the dark plateau is cut off; keep the camera's \
         black offset, or expose more",
-        100.0 * share
+        100.0 * .0
     )]
-    CutOff {
-        /// Share of the dark pixels that are exactly 0.
-        share: f64,
-    },
-    /// Pixels that do not follow the edge, too many to be left out.
+    CutOff(f64),
+    /// Pixels that do not follow the edge, too large a share to be left out.
     #[error(
         "{:.1} % of its pixels do not follow one smooth edge: another mark, dirt, or a damaged \
         edge; give the roi of a clean part",
-        100.0 * share
+        100.0 * .0
     )]
-    NotAlone {
-        /// Share of the pixels that do not follow the edge.
-        share: f64,
-    },
-    /// Light that differs too much over the window.
+    NotAlone(f64),
+    /// Light that differs too much over the window: the ratio of the largest to the smallest, less 1.
     #[error(
         "the light varies by {:.0} % over it; give a smaller roi, or light the edge evenly",
-        100.0 * unevenness
+        100.0 * .0
     )]
-    Uneven {
-        /// Ratio of the largest to the smallest light in the window, less 1.
-        unevenness: f64,
-    },
+    Uneven(f64),
     /// An edge that follows no smooth curve.
     #[error(
         "the edge is wavy: {rms_px:.2} pixels (root mean square) are left about a smooth curve, \
@@ -103,12 +72,7 @@ pub enum Fault {
         smoother part",
         100.0 * loss
     )]
-    Wavy {
-        /// Root mean square of the waves, pixels.
-        rms_px: f64,
-        /// Share by which they lower the MTF where it is one half.
-        loss: f64,
-    },
+    Wavy { rms_px: f64, loss: f64 },
     /// Rows or columns that are shifted against their neighbours.
     #[error(
         "every second of its {what} is shifted by about {shift_px:.1} pixels across the edge, as \
@@ -117,11 +81,8 @@ pub enum Fault {
         100.0 * loss
     )]
     Shifted {
-        /// The part that is shifted: rows or columns.
         what: &'static str,
-        /// Shift across the edge, pixels.
         shift_px: f64,
-        /// Share by which it lowers the MTF where it is one half.
         loss: f64,
     },
     /// A second edge beside the first, a ghost.
@@ -131,12 +92,7 @@ pub enum Fault {
         or accept it as \"doubled\" if the sheet itself makes it",
         100.0 * share
     )]
-    Doubled {
-        /// Ratio of the steepness of the second edge to that of the first.
-        share: f64,
-        /// Distance between the two edges, pixels.
-        distance_px: f64,
-    },
+    Doubled { share: f64, distance_px: f64 },
     /// An edge along the rows or columns of pixels.
     #[error(
         "the edge is aligned with the pixel grid: it is tilted by {tilt_deg:.2} degrees and \
@@ -144,23 +100,13 @@ pub enum Fault {
         distances from it; tilt it by 2 to 10 degrees, best by 5 (ISO 12233), or give a roi that \
         is longer along the edge"
     )]
-    Aligned {
-        /// Angle between the edge and the nearer of rows and columns, degrees.
-        tilt_deg: f64,
-        /// Number of columns, or rows, that the edge crosses, pixels.
-        crossed_px: f64,
-    },
+    Aligned { tilt_deg: f64, crossed_px: f64 },
     /// A blur as wide as the window.
     #[error(
         "the blur (10 to 90 % over {rise_px:.0} pixels) fills the window ({length_px:.0} pixels \
         across the edge); focus, or give a larger roi"
     )]
-    Blurred {
-        /// Distance over which the profile rises from 10 to 90 % of its step, pixels.
-        rise_px: f64,
-        /// Length of the profile, pixels.
-        length_px: f64,
-    },
+    Blurred { rise_px: f64, length_px: f64 },
 }
 
 impl Fault {

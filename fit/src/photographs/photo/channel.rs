@@ -1,6 +1,6 @@
 //! Choice of the plane of a photograph, and of the meaning of its stored values.
 
-use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::photo::Transfer;
 
 /// Rec. 709 weights of linear red, green and blue in luminance (ITU-R BT.709-6, item 3.2).
 pub(crate) const REC709: [f32; 3] = [0.2126, 0.7152, 0.0722];

@@ -2,14 +2,11 @@
 
 use std::path::PathBuf;
 
-use crate::photographs::photo::channel::{Channel, Decode, REC709};
-use crate::photographs::photo::check_finite;
-use crate::photographs::photo::curve::Curve;
-use crate::photographs::photo::error::Error;
-use crate::photographs::photo::picture::Picture;
-use crate::photographs::photo::plane::Photo;
-use crate::photographs::photo::taken::{Curves, GIVEN, Taken};
-use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::photo::raster::plane;
+use crate::photographs::photo::{
+    Alpha, Curve, Curves, Decode, Decoded, Error, GIVEN, Photo, Picture, Samples, Stored, Transfer,
+    check_finite,
+};
 
 /// Picture in memory: one plane, or three (red, green and blue).
 #[derive(Debug, Clone, PartialEq)]
@@ -34,58 +31,36 @@ impl Held {
     /// # Errors
     /// Returns an error if the picture lacks the channel, or if a value is not finite.
     pub fn photo(&self, options: &Decode) -> Result<Photo, Error> {
-        let weights: &[f32] = match (&self.planes[..], &options.channel) {
-            ([_], Channel::Luminance) => &[1.0],
-            ([_, _, _], Channel::Luminance) => &REC709,
-            ([_, _, _], Channel::Red) => &[1.0, 0.0, 0.0],
-            ([_, _, _], Channel::Green) => &[0.0, 1.0, 0.0],
-            ([_, _, _], Channel::Blue) => &[0.0, 0.0, 1.0],
-            (planes, wanted) => {
-                let colours: &[&str] = &["luminance", "red", "green", "blue"];
-                let found = if planes.len() == 3 {
-                    colours
-                } else {
-                    &colours[..1]
-                };
-                return Err(Error::NoChannel {
-                    file: self.name.clone(),
-                    wanted: wanted.clone(),
-                    found: found.iter().map(ToString::to_string).collect(),
-                });
-            }
-        };
-        for plane in &self.planes {
-            check_finite(&self.name, self.width, plane)?;
-        }
-        let transfer = options.transfer.unwrap_or(Transfer::Linear);
-        let used: Vec<(f32, &Vec<f32>)> = (weights.iter().copied())
-            .zip(&self.planes)
-            .filter(|(weight, _)| *weight != 0.0)
-            .collect();
-        let pixel = |index: usize| {
-            // As in a file: if one of the channels used is saturated, the sum is unknown.
-            if self.of_integers && used.iter().any(|(_, plane)| plane[index] == 1.0) {
-                return 1.0;
-            }
-            let light = used
-                .iter()
-                .map(|(weight, plane)| weight * transfer.to_linear(plane[index]));
-            light.sum()
-        };
-        let luminance: Vec<f32> = (0..self.width * self.height).map(pixel).collect();
-        let largest = luminance.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        Ok(Photo {
-            width: self.width,
-            height: self.height,
-            luminance,
-            clip_level: (self.of_integers || largest == 1.0).then_some(1.0),
-            clips_alone: used.len() == 1,
-            transfer: match options.transfer {
-                Some(given) => Curves::one(Curve::Named(given), GIVEN).taken(),
-                None => Taken::default(),
+        self.check_finite()?;
+        let pixels = 0..self.width * self.height;
+        let samples = pixels.flat_map(|i| self.planes.iter().map(move |plane| plane[i]));
+        let decoded = Decoded {
+            stored: Stored {
+                size: [self.width, self.height],
+                samples: Samples::Floats(samples.collect(), self.of_integers),
+                channels: self.planes.len(),
+                has_colour: self.planes.len() == 3,
+                alpha: Alpha::None,
             },
+            orientation: None,
+            stated: Ok(None),
             warnings: Vec::new(),
-        })
+        };
+        let curves = match options.transfer {
+            Some(given) => Curves::one(Curve::Named(given), GIVEN),
+            None => Curves::one(Curve::Named(Transfer::Linear), "memory"),
+        };
+        let photo = plane(decoded, &curves, &options.channel);
+        let mut photo = photo.map_err(|fault| fault.of(&self.name))?;
+        let largest = photo.luminance.iter().copied().fold(0.0, f32::max);
+        photo.clip_level = (self.of_integers || largest == 1.0).then_some(1.0);
+        Ok(photo)
+    }
+
+    fn check_finite(&self) -> Result<(), Error> {
+        let mut planes = self.planes.iter();
+        let checked = planes.try_for_each(|plane| check_finite(self.width, plane));
+        checked.map_err(|fault| fault.of(&self.name))
     }
 
     /// Returns the picture in colour, as from a file.
@@ -93,9 +68,7 @@ impl Held {
     /// # Errors
     /// Returns an error if a value is not finite.
     pub fn into_picture(self, transfer: Option<Transfer>) -> Result<Picture, Error> {
-        for plane in &self.planes {
-            check_finite(&self.name, self.width, plane)?;
-        }
+        self.check_finite()?;
         let transfer = transfer.unwrap_or(Transfer::Linear);
         let mut planes = self.planes;
         if transfer != Transfer::Linear {

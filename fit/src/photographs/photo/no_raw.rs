@@ -2,19 +2,18 @@
 
 use std::path::Path;
 
-use crate::photographs::photo::channel::Decode;
-use crate::photographs::photo::error::Error;
-use crate::photographs::photo::plane::Photo;
-use crate::photographs::photo::settings::Settings;
+use crate::photographs::photo::{Decode, Fault, Photo, Settings};
 
 /// Refuses to read a camera raw file.
 ///
 /// # Errors
-/// Returns [`Error::CameraRaw`] always.
-pub(crate) fn read(path: &Path, _: &Decode) -> Result<Photo, Error> {
-    Err(Error::CameraRaw {
-        file: path.to_owned(),
-    })
+/// Returns [`Fault::Raw`] always.
+pub(crate) fn read(_: &Path, _: &Decode) -> Result<Photo, Fault> {
+    Err(Fault::Raw(
+        "camera raw is not read by this build of fit; build it with the feature `raw` (cargo \
+        install --path fit --features raw), or"
+            .into(),
+    ))
 }
 
 /// Refuses to read the settings of a camera raw file.

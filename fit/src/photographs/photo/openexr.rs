@@ -4,7 +4,6 @@
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::BufReader;
-use std::path::Path;
 
 use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;
@@ -15,16 +14,10 @@ use exr::prelude::f16;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-use crate::photographs::photo::caught::caught;
-use crate::photographs::photo::channel::{Channel, Decode, REC709};
-use crate::photographs::photo::curve::Curve;
-use crate::photographs::photo::error::Error;
-use crate::photographs::photo::format::Format;
-use crate::photographs::photo::limits::{check_packed, check_size};
-use crate::photographs::photo::picture::Picture;
-use crate::photographs::photo::plane::Photo;
-use crate::photographs::photo::taken::{Curves, GIVEN, Taken};
-use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::photo::{
+    Channel, Curve, Curves, Decode, Fault, Format, GIVEN, Photo, Picture, REC709, Taken, Transfer,
+    caught, check_packed, check_size,
+};
 
 /// Bit of the version field that means "deep data inside" (OpenEXR file layout, version field).
 const DEEP_FLAG: u8 = 0x08;
@@ -32,45 +25,26 @@ const DEEP_FLAG: u8 = 0x08;
 /// Number of blocks that are unpacked at a time.
 const AT_ONCE: usize = 16;
 
-/// One channel of the file and its weight in the plane.
-#[derive(Debug, Clone, PartialEq)]
-struct Term {
-    index: usize,
-    weight: f32,
-}
-
-/// The channels whose weighted sum is the plane that was asked for.
-#[derive(Debug)]
-struct Selection {
-    header: usize,
-    terms: Vec<Term>,
-    warnings: Vec<String>,
-}
+/// Channels of the file by their index, with their weights in a plane.
+type Terms = Vec<(usize, f32)>;
 
 /// Reads the plane that `options` ask for. `first` holds the first bytes of the file.
 pub(crate) fn read(
-    path: &Path,
     reader: BufReader<File>,
     first: &[u8],
     options: &Decode,
-) -> Result<Photo, Error> {
+) -> Result<Photo, Fault> {
     let mut half_only = false;
     let mut alone = false;
     let transfer = options.transfer.unwrap_or(Transfer::Linear);
-    let (width, height, mut planes, warnings) =
-        read_planes(path, reader, first, transfer, |headers| {
-            let Selection {
-                header,
-                terms,
-                warnings,
-            } = select(path, headers, &options.channel)?;
-            let stored = &headers[header].channels.list;
-            alone = terms.len() == 1;
-            half_only = terms
-                .iter()
-                .all(|term| stored[term.index].sample_type == SampleType::F16);
-            Ok((header, vec![terms], warnings))
-        })?;
+    let (width, height, mut planes, warnings) = read_planes(reader, first, transfer, |headers| {
+        let (header, terms, warnings) = select(headers, &options.channel)?;
+        let stored = &headers[header].channels.list;
+        alone = terms.len() == 1;
+        let is_half = |term: &(usize, f32)| stored[term.0].sample_type == SampleType::F16;
+        half_only = terms.iter().all(is_half);
+        Ok((header, vec![terms], warnings))
+    })?;
     let luminance = planes.swap_remove(0);
     let largest = luminance.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let clip_level = if largest == 1.0 {
@@ -95,15 +69,11 @@ pub(crate) fn read(
 }
 
 /// Reads red, green and blue, or the luminance if the file has no colour.
-pub(crate) fn read_colour(
-    path: &Path,
-    reader: BufReader<File>,
-    first: &[u8],
-) -> Result<Picture, Error> {
+pub(crate) fn read_colour(reader: BufReader<File>, first: &[u8]) -> Result<Picture, Fault> {
     let mut differences = None;
     let (width, height, mut planes, warnings) =
-        read_planes(path, reader, first, Transfer::Linear, |headers| {
-            let single = |index| vec![Term { index, weight: 1.0 }];
+        read_planes(reader, first, Transfer::Linear, |headers| {
+            let single = |index| vec![(index, 1.0)];
             for layer in layers(headers) {
                 let indices = if let [Some(red), Some(green), Some(blue)] = layer.primaries() {
                     [red, green, blue]
@@ -116,15 +86,12 @@ pub(crate) fn read_colour(
                 };
                 return Ok((layer.header, indices.map(single).to_vec(), Vec::new()));
             }
-            let grey = select(path, headers, &Channel::Luminance)?;
-            Ok((grey.header, vec![grey.terms], grey.warnings))
+            let (header, terms, warnings) = select(headers, &Channel::Luminance)?;
+            Ok((header, vec![terms], warnings))
         })?;
     if let (Some(weights), [red, luma, blue]) = (differences, &mut planes[..]) {
-        let weights = weights.ok_or_else(|| Error::Damaged {
-            file: path.to_owned(),
-            format: Format::Exr,
-            reason: "its primaries make no colours".into(),
-        })?;
+        let lack = || Fault::Damaged(Format::Exr, "its primaries make no colours".into());
+        let weights = weights.ok_or_else(lack)?;
         let pixels = red.iter_mut().zip(luma).zip(blue);
         pixels.for_each(|((red, green), blue)| {
             let luma = *green;
@@ -161,38 +128,31 @@ type Planes = (usize, usize, Vec<Vec<f32>>, Vec<String>);
 
 /// Reads planes, each of which is the sum of its terms. `choose` picks the header and the terms.
 fn read_planes(
-    path: &Path,
     reader: BufReader<File>,
     first: &[u8],
     transfer: Transfer,
-    choose: impl FnOnce(&[Header]) -> Result<(usize, Vec<Vec<Term>>, Vec<String>), Error>,
-) -> Result<Planes, Error> {
-    let file = || path.to_owned();
+    choose: impl FnOnce(&[Header]) -> Result<(usize, Vec<Terms>, Vec<String>), Fault>,
+) -> Result<Planes, Fault> {
     if first.get(5).is_some_and(|flags| flags & DEEP_FLAG != 0) {
-        return Err(Error::Deep { file: file() });
+        return Err(Fault::Deep);
     }
     let broken = |error: ExrError| match error {
-        ExrError::NotSupported(what) => Error::Unread {
-            file: file(),
-            format: Format::Exr,
-            what: format!("what its decoder calls \"{what}\""),
-        },
-        error => Error::Damaged {
-            file: file(),
-            format: Format::Exr,
-            reason: error.to_string(),
-        },
+        ExrError::NotSupported(what) => {
+            Fault::Unread(Format::Exr, format!("what its decoder calls \"{what}\""))
+        }
+        error => Fault::Damaged(Format::Exr, error.to_string()),
     };
+    let length = reader.get_ref().metadata()?.len();
     let blocks = exr::block::read(reader, false).map_err(broken)?;
     let (chosen, terms, warnings) = choose(blocks.headers())?;
     let header = &blocks.headers()[chosen];
     if header.deep {
-        return Err(Error::Deep { file: file() });
+        return Err(Fault::Deep);
     }
     let (width, height) = (header.layer_size.width(), header.layer_size.height());
-    check_size(path, width as u64, height as u64)?;
+    check_size(width as u64, height as u64)?;
     let bytes = header.channels.bytes_per_pixel as u64;
-    check_packed(path, [width as u64, height as u64], bytes)?;
+    check_packed([width as u64, height as u64], bytes, length)?;
     let mut planes = vec![vec![0.0_f32; width * height]; terms.len()];
     let mut chunks = blocks
         .filter_chunks(false, |_, tile, block| {
@@ -238,36 +198,27 @@ fn add_block(
     width: usize,
     header: &Header,
     block: &UncompressedBlock,
-    terms: &[Term],
+    terms: &Terms,
     transfer: Transfer,
 ) -> exr::error::UnitResult {
     for line in block.lines(&header.channels) {
         let at = line.location;
-        let Some(term) = terms.iter().find(|term| term.index == at.channel) else {
+        let Some((_, weight)) = terms.iter().find(|(index, _)| *index == at.channel) else {
             continue;
         };
         let start = at.position.y() * width + at.position.x();
+        let pixels = plane.get_mut(start..start + at.sample_count);
         let outside = || ExrError::Invalid("a block lies outside the data window".into());
-        let pixels = plane
-            .get_mut(start..start + at.sample_count)
-            .ok_or_else(outside)?;
-        let add = |pixel: &mut f32, stored: f32| *pixel += term.weight * transfer.to_linear(stored);
-        match header.channels.list[at.channel].sample_type {
-            SampleType::F16 => {
-                for (pixel, sample) in pixels.iter_mut().zip(line.read_samples::<f16>()) {
-                    add(pixel, sample?.to_f32());
-                }
-            }
-            SampleType::F32 => {
-                for (pixel, sample) in pixels.iter_mut().zip(line.read_samples::<f32>()) {
-                    add(pixel, sample?);
-                }
-            }
-            SampleType::U32 => {
-                for (pixel, sample) in pixels.iter_mut().zip(line.read_samples::<u32>()) {
-                    add(pixel, sample? as f32);
-                }
-            }
+        let kind = header.channels.list[at.channel].sample_type;
+        let samples = line.value.chunks_exact(kind.bytes_per_sample());
+        for (pixel, bytes) in pixels.ok_or_else(outside)?.iter_mut().zip(samples) {
+            let stored = match (kind, bytes) {
+                (SampleType::F16, &[a, b]) => f16::from_ne_bytes([a, b]).to_f32(),
+                (SampleType::F32, &[a, b, c, d]) => f32::from_ne_bytes([a, b, c, d]),
+                (SampleType::U32, &[a, b, c, d]) => u32::from_ne_bytes([a, b, c, d]) as f32,
+                _ => unreachable!("a half has 2 bytes, the others have 4"),
+            };
+            *pixel += weight * transfer.to_linear(stored);
         }
     }
     Ok(())
@@ -283,11 +234,9 @@ struct Layer {
 
 impl Layer {
     fn find(&self, names: [&str; 2]) -> Option<usize> {
-        let (index, _) = self
-            .channels
-            .iter()
-            .find(|(_, name)| names.iter().any(|wanted| name.eq_ignore_ascii_case(wanted)))?;
-        Some(*index)
+        let is_named = |name: &str| names.iter().any(|wanted| name.eq_ignore_ascii_case(wanted));
+        let mut channels = self.channels.iter();
+        Some(channels.find(|(_, name)| is_named(name))?.0)
     }
 
     fn primaries(&self) -> [Option<usize>; 3] {
@@ -314,18 +263,11 @@ impl Layer {
         }
     }
 
-    fn terms(&self, channel: &Channel) -> Option<Vec<Term>> {
-        let one = |index: Option<usize>| index.map(|index| vec![Term { index, weight: 1.0 }]);
+    fn terms(&self, channel: &Channel) -> Option<Terms> {
+        let one = |index: Option<usize>| index.map(|index| vec![(index, 1.0)]);
         match (channel, self.primaries()) {
             (Channel::Luminance, [Some(red), Some(green), Some(blue)]) => {
-                let indices = [red, green, blue];
-                Some(
-                    indices
-                        .iter()
-                        .zip(REC709)
-                        .map(|(&index, weight)| Term { index, weight })
-                        .collect(),
-                )
+                Some([red, green, blue].into_iter().zip(REC709).collect())
             }
             (Channel::Luminance, _) => one(self.find(["Y", "luminance"]).or_else(|| self.only())),
             (Channel::Red, [red, _, _]) => one(red),
@@ -343,24 +285,19 @@ fn is_alpha(name: &str) -> bool {
 fn layers(headers: &[Header]) -> Vec<Layer> {
     let mut layers: Vec<Layer> = Vec::new();
     for (header, contents) in headers.iter().enumerate() {
-        let part = contents
-            .own_attributes
-            .layer_name
-            .as_ref()
-            .map(ToString::to_string)
-            .unwrap_or_default();
+        let part = contents.own_attributes.layer_name.as_ref();
+        let part = part.map(ToString::to_string).unwrap_or_default();
         for (index, channel) in contents.channels.list.iter().enumerate() {
             let full = channel.name.to_string();
             let (prefix, last) = full.rsplit_once('.').unwrap_or(("", &full));
-            let name = [part.as_str(), prefix]
-                .into_iter()
-                .filter(|word| !word.is_empty())
-                .collect::<Vec<_>>()
-                .join(".");
-            match layers
-                .iter_mut()
-                .find(|layer| layer.header == header && layer.name == name)
-            {
+            let joint = if part.is_empty() || prefix.is_empty() {
+                ""
+            } else {
+                "."
+            };
+            let name = [&part, joint, prefix].concat();
+            let of_name = |layer: &&mut Layer| layer.header == header && layer.name == name;
+            match layers.iter_mut().find(of_name) {
                 Some(layer) => layer.channels.push((index, last.to_owned())),
                 None => layers.push(Layer {
                     header,
@@ -373,23 +310,16 @@ fn layers(headers: &[Header]) -> Vec<Layer> {
     layers
 }
 
-/// Finds the first layer that has the plane that was asked for.
-fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection, Error> {
+/// Finds the first layer that has the plane that was asked for. Returns its header, the channels
+/// whose weighted sum is the plane, and warnings.
+fn select(headers: &[Header], wanted: &Channel) -> Result<(usize, Terms, Vec<String>), Fault> {
     let layers = layers(headers);
     let mut warnings = Vec::new();
     if let Channel::Named(name) = wanted {
         for (header, contents) in headers.iter().enumerate() {
-            if let Some(index) = contents
-                .channels
-                .list
-                .iter()
-                .position(|channel| channel.name.to_string() == *name)
-            {
-                return Ok(Selection {
-                    header,
-                    terms: vec![Term { index, weight: 1.0 }],
-                    warnings,
-                });
+            let mut channels = contents.channels.list.iter();
+            if let Some(index) = channels.position(|channel| channel.name.to_string() == *name) {
+                return Ok((header, vec![(index, 1.0)], warnings));
             }
         }
     }
@@ -402,11 +332,7 @@ fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection
             .iter()
             .flat_map(|header| header.channels.list.iter().map(|it| it.name.to_string()))
             .collect();
-        return Err(Error::NoChannel {
-            file: path.to_owned(),
-            wanted: wanted.clone(),
-            found,
-        });
+        return Err(Fault::NoChannel(wanted.clone(), found));
     };
     if able.len() > 1 {
         let name = if layer.name.is_empty() {
@@ -428,24 +354,16 @@ fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection
     {
         warnings.push(format!(
             "the file has neither Y nor R, G and B; its only channel, {}, was used as luminance",
-            stored[terms[0].index].name
+            stored[terms[0].0].name
         ));
     }
-    if terms.len() == 3
-        && headers[layer.header]
-            .shared_attributes
-            .chromaticities
-            .is_some()
-    {
+    let primaries = headers[layer.header].shared_attributes.chromaticities;
+    if terms.len() == 3 && primaries.is_some() {
         warnings.push(
             "the file names its own primaries, but its luminance was computed with the Rec. 709 \
             weights"
                 .into(),
         );
     }
-    Ok(Selection {
-        header: layer.header,
-        terms: terms.clone(),
-        warnings,
-    })
+    Ok((layer.header, terms.clone(), warnings))
 }

@@ -4,6 +4,9 @@ use std::collections::HashSet;
 use std::io;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
+use crate::photographs::photo::Fault;
+use crate::photographs::photo::tiff::damaged;
+
 /// Largest number of pages that are followed, of pages within a page, and of entries of each.
 const MOST_PAGES: usize = 4096;
 const MOST_WITHIN: usize = 16;
@@ -48,7 +51,7 @@ const RAW: [u64; 2] = [32803, 34892];
 /// A TIFF whose directories can be read.
 pub(crate) struct Tiff<R> {
     pub(crate) file: R,
-    length: u64,
+    pub(crate) length: u64,
     is_big: bool,
     pub(crate) is_little: bool,
 }
@@ -155,7 +158,7 @@ impl<R: Read + Seek> Tiff<R> {
     }
 
     /// Reads the bytes of an entry; none if the page has no such entry.
-    pub(crate) fn bytes(&mut self, page: &Directory, tag: u16) -> Result<Vec<u8>, String> {
+    pub(crate) fn bytes(&mut self, page: &Directory, tag: u16) -> Result<Vec<u8>, Fault> {
         let Some(entry) = page.entries.iter().find(|entry| entry.tag == tag) else {
             return Ok(Vec::new());
         };
@@ -169,25 +172,25 @@ impl<R: Read + Seek> Tiff<R> {
         let read = (size <= self.length).then(|| read(&mut self.file));
         match read {
             Some(Ok(bytes)) => Ok(bytes),
-            _ => Err(format!("the values of its tag {tag} lie behind its end")),
+            _ => damaged(format!("the values of its tag {tag} lie behind its end")),
         }
     }
 
     /// Reads the whole numbers of an entry; none if the page has no such entry.
-    pub(crate) fn values(&mut self, page: &Directory, tag: u16) -> Result<Vec<u64>, String> {
+    pub(crate) fn values(&mut self, page: &Directory, tag: u16) -> Result<Vec<u64>, Fault> {
         let bytes = self.bytes(page, tag)?;
         let Some(entry) = page.entries.iter().find(|entry| entry.tag == tag) else {
             return Ok(Vec::new());
         };
         if !matches!(entry.kind, 1 | 3 | 4 | 7 | 13 | 16 | 18) {
-            return Err(format!("its tag {tag} holds no whole numbers"));
+            return damaged(format!("its tag {tag} holds no whole numbers"));
         }
         let values = bytes.chunks_exact(width(entry.kind));
         Ok(values.map(|value| whole(value, self.is_little)).collect())
     }
 
     /// Reads the first number of an entry.
-    pub(crate) fn value(&mut self, page: &Directory, tag: u16) -> Result<Option<u64>, String> {
+    pub(crate) fn value(&mut self, page: &Directory, tag: u16) -> Result<Option<u64>, Fault> {
         Ok(self.values(page, tag)?.first().copied())
     }
 
@@ -206,7 +209,7 @@ impl<R: Read + Seek> Tiff<R> {
 }
 
 /// Returns the number of bytes of a value of a type.
-pub(crate) fn width(kind: u64) -> usize {
+fn width(kind: u64) -> usize {
     match kind {
         3 | 8 => 2,
         4 | 9 | 11 | 13 => 4,
@@ -215,7 +218,8 @@ pub(crate) fn width(kind: u64) -> usize {
     }
 }
 
-fn whole(bytes: &[u8], is_little: bool) -> u64 {
+/// Returns the number of these bytes.
+pub(crate) fn whole(bytes: &[u8], is_little: bool) -> u64 {
     let add = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
     if is_little {
         bytes.iter().rev().fold(0, add)
@@ -243,7 +247,7 @@ pub(crate) fn is_raw(file: impl Read + Seek) -> bool {
 
 impl<R: Read + Seek> Tiff<R> {
     /// Finds the page that is the picture. Returns warnings about pages that are not read.
-    pub(crate) fn picture(&mut self, first: u64) -> Result<(Directory, Vec<String>), String> {
+    pub(crate) fn picture(&mut self, first: u64) -> Result<(Directory, Vec<String>), Fault> {
         let mut pages = self.pages(first);
         let count = pages.len();
         let full: Vec<usize> = (0..count).filter(|&i| !self.is_copy(&pages[i])).collect();
@@ -257,7 +261,7 @@ impl<R: Read + Seek> Tiff<R> {
             let text = "its first page is a smaller copy; the picture within it was read";
             return match (large, pages.is_empty()) {
                 (Some(index), _) => Ok((within.swap_remove(index), vec![text.into()])),
-                (None, true) => Err("it has no pages".into()),
+                (None, true) => damaged("it has no pages"),
                 (None, false) => {
                     let text = "all pages say that they are smaller copies of a picture that is \
                         not there; the first one was read";

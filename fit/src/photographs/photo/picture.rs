@@ -13,8 +13,7 @@ use png::{
 };
 use rayon::prelude::*;
 
-use crate::photographs::photo::channel::REC709;
-use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::photo::{REC709, Transfer};
 
 /// A picture of one plane of linear light, or of three: red, green and blue.
 #[derive(Debug, Clone, PartialEq)]

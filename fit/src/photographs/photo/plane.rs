@@ -1,6 +1,6 @@
 //! A photograph in memory.
 
-use crate::photographs::photo::taken::Taken;
+use crate::photographs::photo::Taken;
 
 /// A photograph: one plane of linear light.
 #[derive(Debug, Clone, PartialEq)]

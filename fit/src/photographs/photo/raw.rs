@@ -11,8 +11,6 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use image::imageops;
-use image::{ImageBuffer, Luma};
 use rawler::decoders::RawDecodeParams;
 use rawler::formats::tiff::Rational;
 use rawler::imgop::{Dim2, Point, Rect};
@@ -20,13 +18,10 @@ use rawler::rawimage::{BlackLevel, RawPhotometricInterpretation, WhiteLevel};
 use rawler::rawsource::RawSource;
 use rawler::{CFA, Orientation, RawImage, RawImageData};
 
-use crate::photographs::photo::channel::{Channel, Decode};
-use crate::photographs::photo::error::Error;
-use crate::photographs::photo::limits::check_size;
-use crate::photographs::photo::plane::Photo;
-use crate::photographs::photo::settings as camera;
-use crate::photographs::photo::settings::Settings;
-use crate::photographs::photo::taken::Taken;
+use crate::photographs::photo::error::one_line;
+use crate::photographs::photo::{
+    Channel, Decode, Fault, Photo, Settings, TURNED, Taken, check_size, upright,
+};
 
 /// The colours of a filter, in the order of rawler's indices.
 const COLOURS: [Channel; 3] = Channel::PRIMARIES;
@@ -38,17 +33,19 @@ const COLOURS: [Channel; 3] = Channel::PRIMARIES;
 /// without colours means all pixels.
 ///
 /// # Errors
-/// Returns [`Error::Raw`] if rawler cannot decode the file, [`Error::NoChannel`] if the sensor does
-/// not see the colour, and [`Error::Size`] if the file claims more pixels than
+/// Returns [`Fault::Raw`] if rawler cannot decode the file, [`Fault::NoChannel`] if the sensor does
+/// not see the colour, and [`Fault::Size`] if the file claims more pixels than
 /// [`crate::photographs::photo::limits::MAX_PIXELS`].
-pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Error> {
-    let fault = |reason: String| Error::Raw {
-        file: path.to_owned(),
-        reason,
+pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Fault> {
+    let fault = |reason: String| {
+        Fault::Raw(format!(
+            "cannot be decoded as camera raw ({}); convert it to DNG, or",
+            one_line(&reason)
+        ))
     };
     // `decode_file` catches panics of the decoder.
     let raw = rawler::decode_file(path).map_err(|error| fault(error.to_string()))?;
-    check_size(path, raw.width as u64, raw.height as u64)?;
+    check_size(raw.width as u64, raw.height as u64)?;
     let samples = match &raw.data {
         RawImageData::Integer(samples) => samples.len(),
         RawImageData::Float(samples) => samples.len(),
@@ -71,27 +68,25 @@ pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Error> {
             }
             let wanted = if green { &Channel::Green } else { wanted };
             let found = seen.iter().copied().find(|&i| COLOURS[i] == *wanted);
-            Some(found.ok_or_else(|| Error::NoChannel {
-                file: path.to_owned(),
-                wanted: wanted.clone(),
-                found: if seen.is_empty() {
-                    vec![Channel::Luminance.to_string()]
-                } else {
-                    seen.iter().map(|&i| COLOURS[i].to_string()).collect()
-                },
+            Some(found.ok_or_else(|| {
+                let held = match seen.is_empty() {
+                    true => vec![Channel::Luminance.to_string()],
+                    false => seen.iter().map(|&i| COLOURS[i].to_string()).collect(),
+                };
+                Fault::NoChannel(wanted.clone(), held)
             })?)
         }
     };
-    let plane = plane(&raw, channel)
+    let (light, size) = plane(&raw, channel)
         .ok_or_else(|| fault("its black level is not below its white level".into()))?;
-    let plane = upright(plane, raw.orientation);
+    let (luminance, [width, height]) = upright(light, size, side(raw.orientation));
     if raw.orientation != Orientation::Normal {
-        warnings.push(crate::photographs::photo::plane::TURNED.into());
+        warnings.push(TURNED.into());
     }
     Ok(Photo {
-        width: plane.width() as usize,
-        height: plane.height() as usize,
-        luminance: plane.into_raw(),
+        width,
+        height,
+        luminance,
         clip_level: Some(1.0),
         clips_alone: true,
         transfer: Taken::linear("camera raw"),
@@ -121,7 +116,7 @@ pub(crate) fn settings(path: &Path) -> Result<Settings, String> {
         .map(f64::from)
         .or(exif.recommended_exposure_index.map(f64::from))
         .or(exif.iso_speed.map(f64::from));
-    camera::settings([number(exif.exposure_time), number(exif.fnumber), iso])
+    Settings::new([number(exif.exposure_time), number(exif.fnumber), iso])
 }
 
 /// Returns the indices of the colours that the sensor distinguishes; none for a sensor without
@@ -142,11 +137,9 @@ fn seen(raw: &RawImage) -> Vec<usize> {
     }
 }
 
-type Plane = ImageBuffer<Luma<f32>, Vec<f32>>;
-
-/// Returns the lit part of the sensor in light; NaN marks pixels of another colour. Returns `None`
+/// Returns the lit part of the sensor in light, and its size; NaN marks pixels of another colour. Returns `None`
 /// if the white level of a pixel is not above its black level.
-fn plane(raw: &RawImage, channel: Option<usize>) -> Option<Plane> {
+fn plane(raw: &RawImage, channel: Option<usize>) -> Option<(Vec<f32>, [usize; 2])> {
     let whole = Rect::new(Point::zero(), Dim2::new(raw.width, raw.height));
     let Rect { p, d } = raw.crop_area.or(raw.active_area).unwrap_or(whole);
     let lit = p.x + d.w <= raw.width && p.y + d.h <= raw.height && d.w > 0 && d.h > 0;
@@ -176,7 +169,7 @@ fn plane(raw: &RawImage, channel: Option<usize>) -> Option<Plane> {
             light.push(if share.is_finite() { share } else { f32::NAN });
         }
     }
-    ImageBuffer::from_raw(d.w as u32, d.h as u32, light)
+    Some((light, [d.w, d.h]))
 }
 
 /// Returns the black level at a pixel. The levels of a file are a pattern that repeats.
@@ -198,16 +191,8 @@ fn white(level: &WhiteLevel, cpp: usize, row: usize, column: usize, sample: usiz
     level.map_or(1.0, |&level| level as f32)
 }
 
-fn upright(plane: Plane, orientation: Orientation) -> Plane {
-    use imageops::{flip_horizontal, flip_vertical, rotate90, rotate180, rotate270};
-    match orientation {
-        Orientation::Normal | Orientation::Unknown => plane,
-        Orientation::HorizontalFlip => flip_horizontal(&plane),
-        Orientation::Rotate180 => rotate180(&plane),
-        Orientation::VerticalFlip => flip_vertical(&plane),
-        Orientation::Transpose => rotate270(&flip_horizontal(&plane)),
-        Orientation::Rotate90 => rotate90(&plane),
-        Orientation::Transverse => rotate90(&flip_horizontal(&plane)),
-        Orientation::Rotate270 => rotate270(&plane),
-    }
+/// Returns the number of the side that is up, as files write it.
+fn side(orientation: Orientation) -> u64 {
+    let known = (1..=8).find(|&number| Orientation::from_u16(number) == orientation);
+    known.unwrap_or(1).into()
 }

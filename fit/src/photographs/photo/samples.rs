@@ -1,8 +1,5 @@
 //! The stored samples of a picture, before they become light.
 
-use image::metadata::Orientation;
-use image::{DynamicImage, ImageBuffer, Luma, imageops};
-
 /// Samples, those of a pixel side by side, row by row from the top left.
 #[derive(Debug)]
 pub(crate) enum Samples {
@@ -39,35 +36,6 @@ pub(crate) struct Stored {
     pub(crate) alpha: Alpha,
 }
 
-impl From<DynamicImage> for Stored {
-    fn from(picture: DynamicImage) -> Stored {
-        let colour = picture.color();
-        Stored {
-            size: [picture.width() as usize, picture.height() as usize],
-            channels: colour.channel_count().into(),
-            has_colour: colour.has_color(),
-            alpha: if colour.has_alpha() {
-                Alpha::Straight
-            } else {
-                Alpha::None
-            },
-            samples: match picture {
-                DynamicImage::ImageLuma8(p) => Samples::Bytes(p.into_raw()),
-                DynamicImage::ImageLumaA8(p) => Samples::Bytes(p.into_raw()),
-                DynamicImage::ImageRgb8(p) => Samples::Bytes(p.into_raw()),
-                DynamicImage::ImageRgba8(p) => Samples::Bytes(p.into_raw()),
-                DynamicImage::ImageLuma16(p) => Samples::Words(p.into_raw()),
-                DynamicImage::ImageLumaA16(p) => Samples::Words(p.into_raw()),
-                DynamicImage::ImageRgb16(p) => Samples::Words(p.into_raw()),
-                DynamicImage::ImageRgba16(p) => Samples::Words(p.into_raw()),
-                DynamicImage::ImageRgb32F(p) => Samples::Floats(p.into_raw(), false),
-                DynamicImage::ImageRgba32F(p) => Samples::Floats(p.into_raw(), false),
-                _ => unreachable!("a PNG or JPEG has 8 or 16 bits"),
-            },
-        }
-    }
-}
-
 impl Stored {
     /// Returns the number of colours.
     pub(crate) fn colours(&self) -> usize {
@@ -93,34 +61,6 @@ impl Stored {
 }
 
 impl Samples {
-    /// Puts planes of one sample a pixel together.
-    pub(crate) fn interleaved(planes: Vec<Samples>) -> Samples {
-        fn woven<S: Copy>(planes: &[Vec<S>]) -> Vec<S> {
-            let pixels = 0..planes.iter().map(Vec::len).min().unwrap_or(0);
-            pixels
-                .flat_map(|i| planes.iter().map(move |plane| plane[i]))
-                .collect()
-        }
-        let (mut bytes, mut words, mut floats, mut is_whole) = (vec![], vec![], vec![], false);
-        for plane in planes {
-            match plane {
-                Samples::Bytes(plane) => bytes.push(plane),
-                Samples::Words(plane) => words.push(plane),
-                Samples::Floats(plane, whole) => {
-                    floats.push(plane);
-                    is_whole = whole;
-                }
-            }
-        }
-        if !bytes.is_empty() {
-            Samples::Bytes(woven(&bytes))
-        } else if !words.is_empty() {
-            Samples::Words(woven(&words))
-        } else {
-            Samples::Floats(woven(&floats), is_whole)
-        }
-    }
-
     /// Exchanges black and white of the first of `channels` samples of each pixel.
     pub(crate) fn invert(&mut self, channels: usize) {
         match self {
@@ -131,28 +71,35 @@ impl Samples {
     }
 }
 
-/// Turns a plane of light upright, and returns it with its new size.
+/// Turns a plane of light upright, and returns it with its new size. `orientation` is the number of
+/// the side that is up, from 1 to 8 (TIFF 6.0).
 pub(crate) fn upright(
     plane: Vec<f32>,
     [width, height]: [usize; 2],
-    orientation: Orientation,
+    orientation: u64,
 ) -> (Vec<f32>, [usize; 2]) {
-    use imageops::{flip_horizontal, flip_vertical, rotate90, rotate180, rotate270};
-    if orientation == Orientation::NoTransforms {
-        return (plane, [width, height]);
-    }
-    let plane = ImageBuffer::<Luma<f32>, _>::from_raw(width as u32, height as u32, plane)
-        .expect("a plane has a value for each pixel");
-    let turned = match orientation {
-        Orientation::NoTransforms => plane,
-        Orientation::Rotate90 => rotate90(&plane),
-        Orientation::Rotate180 => rotate180(&plane),
-        Orientation::Rotate270 => rotate270(&plane),
-        Orientation::FlipHorizontal => flip_horizontal(&plane),
-        Orientation::FlipVertical => flip_vertical(&plane),
-        Orientation::Rotate90FlipH => flip_horizontal(&rotate90(&plane)),
-        Orientation::Rotate270FlipH => flip_horizontal(&rotate270(&plane)),
+    // Bits of what is done: a flip of the columns, a flip of the rows, and their exchange.
+    let [columns, rows, exchange] = match orientation {
+        2 => [true, false, false],
+        3 => [true, true, false],
+        4 => [false, true, false],
+        5 => [false, false, true],
+        6 => [false, true, true],
+        7 => [true, true, true],
+        8 => [true, false, true],
+        _ => return (plane, [width, height]),
     };
-    let size = [turned.width() as usize, turned.height() as usize];
-    (turned.into_raw(), size)
+    let size = if exchange {
+        [height, width]
+    } else {
+        [width, height]
+    };
+    let pixel = |place: usize| {
+        let (x, y) = (place % size[0], place / size[0]);
+        let (x, y) = if exchange { (y, x) } else { (x, y) };
+        let x = if columns { width - 1 - x } else { x };
+        let y = if rows { height - 1 - y } else { y };
+        plane[y * width + x]
+    };
+    ((0..plane.len()).map(pixel).collect(), size)
 }

@@ -1,7 +1,6 @@
 //! The relation between stored values and light that was taken for a photograph.
 
-use crate::photographs::photo::curve::Curve;
-use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::photo::{Curve, Transfer};
 
 /// A relation between stored values and light, and who named it.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
