@@ -30,7 +30,7 @@ use tables::{Axes, Exact, Fate, Path, Provenance, Table};
 
 use crate::beams::share::Share;
 use crate::beams::view::View;
-use crate::cell::{ExactCell, ExactError, Prepared};
+use crate::cell::{ExactCell, MEAN_ERROR, Prepared};
 use crate::geometry::polygon;
 use crate::optics::{Incidence, Rules};
 
@@ -143,17 +143,16 @@ impl Baked {
 /// Returns the prepared cell if its table in the directions of `axes` has no error but rounding.
 ///
 /// # Errors
-///
-/// Returns [`ExactError::MeanAzimuth`] if an azimuth is NaN, the mean over all azimuths. Returns
-/// any error of [`Prepared::exact`] if the exact method does not take the cell.
-pub(crate) fn prepare<'a>(
-    prepared: &'a Prepared,
-    axes: &Axes,
-) -> Result<&'a ExactCell, ExactError> {
+/// Says why not: an azimuth is NaN, the mean over all azimuths, or the exact method does not take
+/// the cell.
+pub(crate) fn prepare<'a>(prepared: &'a Prepared, axes: &Axes) -> Result<&'a ExactCell, String> {
     if axes.azimuth_deg.iter().any(|azimuth| azimuth.is_nan()) {
-        return Err(ExactError::MeanAzimuth);
+        return Err(format!(
+            "a mean over all azimuths is a numerical integral with an error of up to {MEAN_ERROR}, \
+            so it has no exact table"
+        ));
     }
-    prepared.exact().map_err(ExactError::clone)
+    prepared.exact().map_err(String::from)
 }
 
 /// Bakes every direction of `axes`, in parallel. The result does not depend on the number of

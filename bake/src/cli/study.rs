@@ -1,9 +1,9 @@
 //! `bake study`: reads its options, runs the study, and writes what it measured.
 
 use crate::cli::cell::CellArgs;
-use crate::cli::failure::Failure;
-use crate::cli::heading;
 use crate::cli::progress::Progress;
+use crate::error::Error;
+use crate::plan::heading;
 use crate::plan::{Request, default};
 use crate::study::{StudyPlan, picture, report, study};
 use clap::Args;
@@ -141,7 +141,7 @@ pub(crate) struct StudyArgs {
 }
 
 /// Runs `bake study`.
-pub(crate) fn run(args: &StudyArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &StudyArgs) -> Result<(), Error> {
     let study = StudyPlan::new(study::StudyRequest {
         trace: Request {
             incidence: args.incidence.clone(),

@@ -37,14 +37,23 @@ fn bad_options_name_option_value_and_remedy() {
         ..base()
     };
     let cases = [
-        (text("0:45"), "--incidence 0:45: the step does not lead"),
-        (text("0:45:-5"), "--incidence 0:45:-5: the step"),
+        (
+            text("0:45"),
+            "--incidence 0:45, degrees: a range has three parts",
+        ),
+        (
+            text("0:45:-5"),
+            "--incidence 0:45:-5, degrees: a range needs",
+        ),
         (
             text("0,x"),
-            "--incidence 0,x: \"x\" is not an angle in degrees; give a list",
+            "--incidence 0,x, degrees: \"x\" is not a number; write",
         ),
-        (text("nan"), "--incidence nan: \"nan\" is not an angle"),
-        (text(""), "\"\" is not an angle"),
+        (
+            text("nan"),
+            "--incidence nan, degrees: \"nan\" is not a number",
+        ),
+        (text(""), "\"\" is not a number"),
         (
             text("90"),
             "--incidence 90: the angle must be from 0 to below 90",

@@ -1,10 +1,11 @@
 //! Bakes of cells that are dissected for one question only.
 
-use crate::cell::{ExactCell, ExactError, Kind, Prepared, Whole};
+use crate::cell::{ExactCell, Kind, Prepared, Whole};
+use crate::error::Error;
 use crate::optics::Rules;
 use crate::plan::{Plan, default};
 use crate::rays::Tracer;
-use crate::run::{Bake, RunError, Watch, trace};
+use crate::run::{Bake, Watch, trace};
 use meshes::Cell;
 use tables::options::Element;
 use tables::options::Front;
@@ -12,17 +13,17 @@ use tables::options::Method;
 use tables::{Symmetry, Table};
 
 /// Bakes the table of a cell by the method that the plan names.
-pub(crate) fn bake(cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
+pub(crate) fn bake(cell: &Cell, plan: &Plan) -> Result<Table, Error> {
     trace(&prepared(cell), plan, Watch::none())
 }
 
 /// Bakes the table of a cell by rays, whatever method the plan names.
-pub(crate) fn rays(cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
+pub(crate) fn rays(cell: &Cell, plan: &Plan) -> Result<Table, Error> {
     rays_by(Tracer::Fastest, cell, plan)
 }
 
 /// Bakes the table of a cell by rays that `tracer` follows.
-pub(crate) fn rays_by(tracer: Tracer, cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
+pub(crate) fn rays_by(tracer: Tracer, cell: &Cell, plan: &Plan) -> Result<Table, Error> {
     let plan = Plan {
         method: Method::Rays,
         ..plan.clone()
@@ -36,8 +37,8 @@ pub(crate) fn prepared(cell: &Cell) -> Prepared {
 }
 
 /// Returns the cell in the form that the exact method takes.
-pub(crate) fn exact(cell: &Cell) -> Result<ExactCell, ExactError> {
-    prepared(cell).exact().cloned().map_err(ExactError::clone)
+pub(crate) fn exact(cell: &Cell) -> Result<ExactCell, String> {
+    prepared(cell).exact().cloned().map_err(String::from)
 }
 
 pub(crate) fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {

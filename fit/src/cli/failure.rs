@@ -3,8 +3,6 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use tables::OutputError;
-
 use crate::document::FileLine;
 use crate::estimate::error as estimate;
 use crate::estimate::scene;
@@ -124,9 +122,6 @@ pub(crate) enum Failure {
         /// Hash of the option.
         option: String,
     },
-    /// Output that cannot be reserved or written.
-    #[error(transparent)]
-    Output(#[from] OutputError),
     /// Plot that cannot be drawn.
     #[cfg(feature = "report")]
     #[error(transparent)]
@@ -229,12 +224,6 @@ pub(crate) enum Failure {
         /// Azimuths that the table holds, in words.
         held: &'static str,
     },
-    /// Failure of terminal, threads or outputs, which both programs share.
-    #[error(transparent)]
-    Terminal(#[from] tables::cli::Error),
-    /// Threads that could not be started.
-    #[error(transparent)]
-    Threads(#[from] tables::cli::NoThreads),
     /// Work that the caller stopped.
     #[error("stopped")]
     Stopped,
@@ -263,7 +252,7 @@ impl Failure {
         match self {
             #[cfg(feature = "report")]
             Failure::Plot(plot::Error::Format(_)) => 2,
-            Failure::Terminal(tables::cli::Error::PlotExtension(_)) => 2,
+            Failure::Table(tables::Error::PlotExtension(_)) => 2,
             Failure::Frequency { .. } | Failure::Usage(_) => 2,
             #[cfg(feature = "images")]
             Failure::Render(render::Error::Ending { .. }) => 2,

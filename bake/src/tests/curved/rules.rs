@@ -1,11 +1,10 @@
 //! Rays on facets with interpolated normals: their fates, and the options that allow or refuse
 //! them.
 
-use crate::cell::{ExactError, Whole};
+use crate::cell::Whole;
 use crate::optics::Incidence;
 use crate::plan::{Plan, Request};
 use crate::rays::{Bins, Event, Index, Kernel, Outcome, Part, Scene, Tally, Tracer, trace};
-use crate::run::RunError;
 use crate::samples::{Launch, Stream};
 use crate::tests::bakes;
 use crate::tests::curved::{RULES, cell, design};
@@ -309,10 +308,12 @@ fn samples_traced_together_are_counted_apart() {
 fn methods_for_planes_are_refused() {
     let curved = cell(&design(Shape::TriangularPair, 1e-4, 4), true);
     let refused = bakes::exact(&curved).expect_err("refused");
-    assert!(matches!(refused, ExactError::NoPlanes { .. }), "{refused}");
+    assert!(refused.contains("no plane mirrors"), "{refused}");
     let error = bakes::bake(&curved, &plan(Method::Exact, 1)).expect_err("refused");
     assert!(
-        matches!(error, RunError::Exact(ExactError::NoPlanes { .. })),
+        error
+            .to_string()
+            .starts_with("--method exact: --normals file leaves no plane"),
         "{error}"
     );
     let table = bakes::bake(&curved, &plan(Method::Auto, 1)).expect("rays");
@@ -328,7 +329,7 @@ fn fine_meshes_are_traced_by_rays() {
     for sag in [0.0, 1e-3] {
         let fine = cell(&design(Shape::TriangularPair, sag, 53), false);
         let refused = bakes::exact(&fine).expect_err("refused");
-        assert!(matches!(refused, ExactError::TooFine { .. }), "{refused}");
+        assert!(refused.contains("triangles in one piece"), "{refused}");
         assert_eq!(bakes::symmetry(&fine), Symmetry::NONE);
     }
 }

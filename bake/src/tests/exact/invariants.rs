@@ -2,7 +2,7 @@
 //! too.
 
 use crate::beams::{Share, bake, prepare};
-use crate::cell::{ExactError, MEAN_ERROR};
+use crate::cell::MEAN_ERROR;
 use crate::plan::{Plan, Request};
 use crate::tests::bakes;
 use meshes::Cell;
@@ -246,10 +246,8 @@ fn a_mean_over_azimuths_is_that_of_many_azimuths() {
     let rules = rules(1.0);
     let mut compared = 0;
     for cell in [single(ideal_edges()), pair(ideal_edges(), true)] {
-        assert_eq!(
-            prepare(&bakes::prepared(&cell), &axes).unwrap_err(),
-            ExactError::MeanAzimuth
-        );
+        let refused = prepare(&bakes::prepared(&cell), &axes).unwrap_err();
+        assert!(refused.contains("a mean over all azimuths"), "{refused}");
         let exact = bakes::exact(&cell).unwrap();
         let pools = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
