@@ -272,8 +272,11 @@ mod tests {
             assert!((index(pairs, nm) - expected).abs() < 1e-15);
         }
         assert_eq!(index("500:1.5", 500.0), 1.5);
-        assert_eq!(refractive_index("1.49", None), Ok(1.49));
-        assert_eq!(metal("0.96,6.7", None), Ok(Complex64::new(0.96, 6.7)));
+        assert_eq!(refractive_index("1.49", None).ok(), Some(1.49));
+        assert_eq!(
+            metal("0.96,6.7", None).ok(),
+            Some(Complex64::new(0.96, 6.7))
+        );
     }
 
     #[test]
