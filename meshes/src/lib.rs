@@ -30,5 +30,5 @@ pub use cell::normals::Normals;
 pub use cell::options::CellOptions;
 pub use files::load::load;
 pub use files::{gltf, obj, ply, stl, write};
-pub use mesh::error::{Counted, Error, Fault};
+pub use mesh::error::{Error, Fault};
 pub use mesh::mesh::Mesh;
