@@ -23,16 +23,14 @@ use crate::beams::beam;
 use crate::beams::bins;
 use crate::beams::mean;
 use crate::beams::paths;
-use glam::{DMat2, DVec2};
-use ndarray::{Array2, Array3, Array4};
-use rayon::prelude::*;
-use tables::{Axes, Exact, Fate, Path, Provenance, Table};
-
-use crate::beams::share::Share;
 use crate::beams::view::View;
 use crate::cell::{ExactCell, MEAN_ERROR, Prepared};
 use crate::geometry::polygon;
 use crate::optics::{Incidence, Rules};
+use glam::{DMat2, DVec2};
+use ndarray::{Array2, Array3, Array4};
+use rayon::prelude::*;
+use tables::{Axes, Exact, Fate, Path, Provenance, Table};
 
 impl ExactCell {
     /// Traces one direction, given by its angles in degrees outside the front face, cell frame.
@@ -218,4 +216,21 @@ pub(crate) fn bake(
         fate,
         exact,
     })
+}
+
+/// The fates and ray shifts of the light of one direction.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Share {
+    /// Polygons of retroreflected light with their maps, incidence frame, edge lengths.
+    pub paths: Vec<Path>,
+    /// Share of the launched light by fate, in the order of [`Fate::ALL`].
+    pub fate: [f64; Fate::ALL.len()],
+    /// Retroreflected share eta: the sum of the fates `retroreflected` and `out_of_range`.
+    pub retroreflected: f64,
+    /// Probability per launched ray of each bin, `[v][u]`, row-major. Its sum is the share of the
+    /// fate `retroreflected`.
+    pub histogram: Vec<f64>,
+    /// Net share of the slivers that were given up as rounding. The shares of all fates sum to 1
+    /// less this.
+    pub dropped: f64,
 }

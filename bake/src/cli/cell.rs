@@ -10,12 +10,13 @@ use tables::options::{Front, NormalsFrom, SceneOptions};
 
 /// Options that say about a cell what the mesh file does not, or override it.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct CellArgs {
     /// Edge length, file units [default: found from the mesh]
     ///
     /// The length of a cube's edge from its apex. It is the unit of all lengths in the table. When
     /// a table is verified, edge length and azimuth 0 are those of the table by default.
-    #[arg(long, value_parser = number, value_name = "LENGTH", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "LENGTH")]
     pub(crate) edge_length: Option<f64>,
     /// Direction of azimuth 0 in the frame of the file
     ///

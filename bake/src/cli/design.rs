@@ -11,6 +11,7 @@ use tables::cli::{number, print, whole};
 
 /// Options of `bake design`.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct DesignArgs {
     /// Name of the design; --list prints all names
     #[arg(required_unless_present = "list")]
@@ -37,24 +38,12 @@ pub(crate) struct DesignArgs {
     ///
     /// For the design canted only, 8.59 degrees (0.15 rad) by default. A positive angle leans
     /// towards edge 1.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "DEG",
-        allow_negative_numbers = true,
-        help_heading = heading::SHAPE
-    )]
+    #[arg(long, value_parser = number, value_name = "DEG", help_heading = heading::SHAPE)]
     pub(crate) cant_deg: Option<f64>,
     /// Width of the flat land between neighbouring cubes, file units
     ///
     /// Between full cubes the gap is open.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "LENGTH",
-        allow_negative_numbers = true,
-        help_heading = heading::SHAPE
-    )]
+    #[arg(long, value_parser = number, value_name = "LENGTH", help_heading = heading::SHAPE)]
     pub(crate) gap: Option<f64>,
     /// Errors of the dihedral angles at edges 1, 2, 3, mrad
     ///
@@ -71,13 +60,7 @@ pub(crate) struct DesignArgs {
     /// Bulge of each face in its middle, edge lengths
     ///
     /// A positive bulge is towards the light. The normals of the curved faces are written too.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "S",
-        allow_negative_numbers = true,
-        help_heading = heading::IMPERFECT
-    )]
+    #[arg(long, value_parser = number, value_name = "S", help_heading = heading::IMPERFECT)]
     pub(crate) sag: Option<f64>,
     /// Facets along an edge of a face [default: 1; 40 with --sag]
     ///
@@ -91,13 +74,7 @@ pub(crate) struct DesignArgs {
     )]
     pub(crate) segments: Option<u32>,
     /// Radius of the rounded edges from the apex, file units
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "LENGTH",
-        allow_negative_numbers = true,
-        help_heading = heading::IMPERFECT
-    )]
+    #[arg(long, value_parser = number, value_name = "LENGTH", help_heading = heading::IMPERFECT)]
     pub(crate) edge_radius: Option<f64>,
     /// Planar strips of each rounded edge [default: 8]
     #[arg(
@@ -108,13 +85,7 @@ pub(crate) struct DesignArgs {
     )]
     pub(crate) strips: Option<u32>,
     /// Part of each edge that a flat facet at the apex cuts off
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "PART",
-        allow_negative_numbers = true,
-        help_heading = heading::IMPERFECT
-    )]
+    #[arg(long, value_parser = number, value_name = "PART", help_heading = heading::IMPERFECT)]
     pub(crate) apex_flat: Option<f64>,
     #[command(flatten, next_help_heading = heading::ELEMENT)]
     pub(crate) element: ElementArgs,
@@ -124,13 +95,13 @@ pub(crate) struct DesignArgs {
 #[derive(Debug, Args)]
 pub(crate) struct ElementArgs {
     /// Depth of each layer of mirrors, pitches (design plate) [default: 3]
-    #[arg(long, value_parser = number, value_name = "PITCHES", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "PITCHES")]
     depth: Option<f64>,
     /// Thickness of a mirror, pitches (design plate) [default: 0.02]
-    #[arg(long, value_parser = number, value_name = "PITCHES", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "PITCHES")]
     thickness: Option<f64>,
     /// Diameter of a bead, pitches (design bead) [default: 0.95]
-    #[arg(long, value_parser = number, value_name = "PITCHES", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "PITCHES")]
     diameter: Option<f64>,
 }
 

@@ -43,7 +43,6 @@ pub(crate) struct TraceArgs {
         alias = "wavelengths-nm",
         value_name = "NM,..",
         value_delimiter = ',',
-        allow_negative_numbers = true,
         help_heading = heading::MATERIAL
     )]
     wavelength_nm: Vec<f64>,

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::plan::default;
-use crate::plan::limits::RAYS_PER_RANDOMISATION;
+use crate::plan::number::RAYS_PER_RANDOMISATION;
 use crate::plan::number::{count, number};
 use crate::plan::request::Request;
 use std::num::NonZeroUsize;

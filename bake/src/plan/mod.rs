@@ -10,7 +10,6 @@ mod deviations;
 mod directions;
 mod effort;
 pub(crate) mod heading;
-mod limits;
 mod losses;
 mod number;
 mod plan;
@@ -19,6 +18,6 @@ pub(crate) mod request;
 mod tests;
 
 pub(crate) use effort::{Effort, Shard};
-pub(crate) use limits::{MOST_BYTES, RAYS_PER_RANDOMISATION};
+pub(crate) use number::{MOST_BYTES, RAYS_PER_RANDOMISATION};
 pub use plan::Plan;
 pub use request::Request;

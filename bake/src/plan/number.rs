@@ -25,3 +25,14 @@ pub(crate) fn count(option: &str, value: u64, most: u64) -> Result<(), Error> {
     let range = format!("give a whole number from 1 to {most}");
     Err(Error::Usage(format!("{option} {value}: {range}")))
 }
+
+/// Largest number of rays of a direction in one randomisation.
+///
+/// A scrambled sequence has no more distinct points.
+pub(crate) const RAYS_PER_RANDOMISATION: u64 = 1 << 32;
+
+/// Largest number of bins along an axis.
+pub(crate) const BINS_LIMIT: usize = 4096;
+
+/// Largest array of a table, bytes. A table with a larger one could not be read again.
+pub(crate) const MOST_BYTES: u64 = 1 << 31;

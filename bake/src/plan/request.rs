@@ -1,7 +1,7 @@
 //! The request for a bake, as typed.
 
 use crate::plan::effort::MOST_THREADS;
-use crate::plan::limits::BINS_LIMIT;
+use crate::plan::number::BINS_LIMIT;
 use crate::plan::{default, heading};
 use clap::Args;
 use num_complex::Complex64;
@@ -10,6 +10,7 @@ use tables::options::{Back, Losses, Method, Sampler, SceneOptions};
 
 /// Options of `bake trace` that shape the table, as typed.
 #[derive(Debug, Clone, PartialEq, Args)]
+#[command(allow_negative_numbers = true)]
 #[command(mut_arg("deviations", |arg| arg.help_heading(heading::ACCURACY)))]
 pub struct Request {
     /// Value of `--refractive-index`, where it is given
@@ -59,7 +60,6 @@ pub struct Request {
         long,
         value_parser = number,
         default_value_t = default::RANGE,
-        allow_negative_numbers = true,
         help_heading = heading::ACCURACY
     )]
     pub range: f64,
@@ -73,7 +73,6 @@ pub struct Request {
         value_parser = number,
         value_name = "DEG",
         default_value_t = default::ANGULAR_TOLERANCE_DEG,
-        allow_negative_numbers = true,
         help_heading = heading::ACCURACY
     )]
     pub angular_tolerance_deg: f64,
@@ -83,13 +82,7 @@ pub struct Request {
     /// polygons of an exact table, interpolated, give every other direction within this total
     /// variation of eta x histogram (above 0, at most 1). Steps, and listed angles between the
     /// ends, have no effect.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "TV",
-        allow_negative_numbers = true,
-        help_heading = heading::ACCURACY
-    )]
+    #[arg(long, value_parser = number, value_name = "TV", help_heading = heading::ACCURACY)]
     pub direction_tolerance: Option<f64>,
     /// Backing of facets
     #[arg(long, value_enum, default_value_t = Back::Mirror, help_heading = heading::MATERIAL)]
@@ -102,13 +95,7 @@ pub struct Request {
     /// Share of the light that a mirror facet reflects [default: 1]
     ///
     /// Needs --losses fresnel.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "R",
-        allow_negative_numbers = true,
-        help_heading = heading::MATERIAL
-    )]
+    #[arg(long, value_parser = number, value_name = "R", help_heading = heading::MATERIAL)]
     pub reflectance: Option<f64>,
     /// Options that only some scenes have.
     #[command(flatten, next_help_heading = heading::MATERIAL)]
@@ -123,13 +110,7 @@ pub struct Request {
     ///
     /// The L1 error is the sum, over the bins of eta x histogram, of the absolute errors. It is at
     /// most 2. Not together with --rays, --shard or --sampler random.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "E",
-        allow_negative_numbers = true,
-        help_heading = heading::RAYS
-    )]
+    #[arg(long, value_parser = number, value_name = "E", help_heading = heading::RAYS)]
     pub tolerance: Option<f64>,
     /// Kind of sample points
     #[arg(long, value_enum, default_value_t = Sampler::Sobol, help_heading = heading::RAYS)]

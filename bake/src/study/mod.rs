@@ -5,7 +5,6 @@
 //! CSV, JSON or a picture. This room may touch `run`, `plots` and all rooms below, and writes no
 //! file.
 
-mod counted;
 mod fit;
 pub(crate) mod picture;
 pub(crate) mod report;

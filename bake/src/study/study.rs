@@ -6,9 +6,9 @@
 //! Errors are means over these independent samples, and seconds are medians.
 
 use crate::error::Error;
-use crate::study::counted::density;
-pub(crate) use crate::study::counted::estimates;
 use crate::study::fit;
+use crate::study::fit::density;
+pub(crate) use crate::study::fit::estimates;
 
 use crate::beams::exact;
 use crate::cell::Prepared;

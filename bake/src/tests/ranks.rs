@@ -2,6 +2,7 @@
 //! as processes; `mpi.rs` starts real processes.
 
 use crate::error::Error;
+use crate::tests::bakes::asked;
 use crate::tests::cells;
 
 use crate::plan::{Plan, Request};
@@ -139,9 +140,7 @@ fn any_number_of_ranks_bakes_the_same_bytes() {
     let request = |incidence: &str, azimuth: &str| Request {
         incidence: incidence.into(),
         azimuth: azimuth.into(),
-        rays: Some(200_001),
-        method: tables::options::Method::Rays,
-        ..Request::default()
+        ..asked("--rays 200001 --method rays")
     };
     let cases = [
         (cells::pair(), request("0:40:20", "10,70")),

@@ -624,21 +624,15 @@ mod tests {
         around.collect()
     }
 
-    /// Known retroreflected shares of the hollow cube, with incidence and azimuth in degrees.
-    const KNOWN: [(f64, f64, f64); 12] = [
-        (10.0, 0.0, 0.62521),
-        (20.0, 0.0, 0.49003),
-        (30.0, 0.0, 0.22222),
-        (30.0, 30.0, 0.26035),
-        (30.0, 60.0, 0.31126),
-        (35.0, 0.0, 0.01295),
-        (40.0, 60.0, 0.14700),
-        (45.0, 60.0, 0.07625),
-        (40.0, 0.0, 0.0),
-        (40.0, 30.0, 0.0),
-        (45.0, 0.0, 0.0),
-        (45.0, 90.0, 0.0),
-    ];
+    include!("../../../tests/eta.rs");
+
+    /// Returns the known shares of the hollow cube up to 45 degrees.
+    fn known() -> Vec<(f64, f64, f64)> {
+        let within = |&(incidence, azimuth, _): &(f64, f64, f64)| {
+            (1.0..=45.0).contains(&incidence) && !azimuth.is_nan()
+        };
+        known_eta("cube").into_iter().filter(within).collect()
+    }
 
     /// Checks an ideal cube between few directions.
     ///
@@ -649,7 +643,7 @@ mod tests {
         let whole = area(&triangle());
         let nodes = nodes(&[0.0, 15.0, 28.0], 60.0, &[0.0]);
         let mut cases = 0;
-        for (incidence, azimuth, eta) in KNOWN {
+        for (incidence, azimuth, eta) in known() {
             let paths = paths(&nodes, tau(incidence, azimuth), 0.0, 1.0).unwrap();
             let found: f64 = paths.iter().map(|path| area(&path.polygon)).sum();
             // The figures are rounded to 5 digits.

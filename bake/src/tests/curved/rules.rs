@@ -7,6 +7,7 @@ use crate::plan::{Plan, Request};
 use crate::rays::{Bins, Event, Index, Kernel, Outcome, Part, Scene, Tally, Tracer, trace};
 use crate::samples::{Launch, Stream};
 use crate::tests::bakes;
+use crate::tests::bakes::asked;
 use crate::tests::curved::{RULES, cell, design};
 use glam::{DVec2, DVec3};
 use meshes::design::Shape;
@@ -227,14 +228,8 @@ fn light_sent_behind_its_facet_is_absorbed() {
 
 fn plan(method: Method, threads: usize) -> Plan {
     let mut plan = Plan::new(&Request {
-        incidence: "0,20".into(),
-        azimuth: "30".into(),
         method,
-        rays: Some(60_000),
-        scene: tables::options::StatedOptions::from("--normals file")
-            .known()
-            .expect("an option"),
-        ..Request::default()
+        ..asked("--incidence 0,20 --azimuth 30 --rays 60000 --normals file")
     })
     .expect("a plan");
     plan.threads = NonZeroUsize::new(threads);
