@@ -37,6 +37,7 @@
 //!
 //! Each folder imports only the folders before it in this list:
 //!
+//! - `error`: what can go wrong
 //! - `geometry`: polygons
 //! - `samples`: points of the entrance
 //! - `optics`: what one surface does to light

@@ -30,8 +30,11 @@ pub(crate) fn full_step(text: &str) -> Result<Option<f64>, Error> {
     match text.trim().split_once(':') {
         None if text.trim() == "full" => Ok(Some(default::FULL_STEP_DEG)),
         Some(("full", step)) => {
-            let step = step.trim().parse().unwrap_or(f64::NAN);
             let range = "from 0.01 to 90, the widest step between azimuths, as in full:2";
+            let step = step.trim().parse().map_err(|_| {
+                let fault = format!("\"{step}\" is not a number; give one {range}");
+                Error::Usage(format!("--azimuth {text}: {fault}"))
+            })?;
             number("--azimuth full", step, (0.01..=90.0).contains(&step), range)?;
             Ok(Some(step))
         }
