@@ -110,7 +110,8 @@ fn a_missing_file_and_bad_options_are_told() {
             .to_string()
             .contains("cannot be read")
     );
-    let cases: [(fn(&mut CellOptions), &str); 6] = [
+    type Change = fn(&mut CellOptions);
+    let cases: [(Change, &str); 6] = [
         (|o| o.edge_length = Some(0.0), "edge length 0 is not usable"),
         (|o| o.edge_length = Some(-1.0), "edge length -1 is not"),
         (|o| o.edge_length = Some(f64::NAN), "edge length NaN is"),
