@@ -35,6 +35,8 @@ pub(crate) struct TraceArgs {
     /// such as 450:1.50,650:1.49. A material and pairs need --wavelength-nm.
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     refractive_index: Option<String>,
+    #[command(flatten)]
+    request: Request,
     /// Wavelengths in vacuum, nm
     ///
     /// Each wavelength has a table of its own.
@@ -52,8 +54,6 @@ pub(crate) struct TraceArgs {
     /// --losses fresnel and excludes --reflectance.
     #[arg(long, value_name = "NAME", allow_hyphen_values = true, help_heading = heading::MATERIAL)]
     metal: Option<String>,
-    #[command(flatten)]
-    request: Request,
     #[command(flatten, next_help_heading = heading::CELL)]
     cell: CellArgs,
     /// Continues the interrupted bake of this table
