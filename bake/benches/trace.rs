@@ -3,8 +3,7 @@
 //! They measure programs, single rays, a hierarchy, and a sheet of 2,048 cubes. Tables have 32 x 32
 //! bins, so that they take little of the time.
 //!
-//! Run them with `make bench`, or `cargo bench -p bake --bench trace`. Tracers that only tests can
-//! choose are measured by `bake/src/tests/speed.rs`.
+//! Run them with `make bench`, or `cargo bench -p bake --bench trace`.
 
 mod cells;
 

@@ -4,15 +4,14 @@
 //!
 //! `cargo run --release -p bake --example own_mesh -- cell.obj`
 
-use bake::{Plan, Prepared, Request, RunError, Watch, retrace, trace};
+use bake::{Error, Plan, Prepared, Request, Watch, retrace, trace};
 use meshes::CellOptions;
-use std::error::Error;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use tables::options::Method;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let Some(file) = std::env::args_os().nth(1).map(PathBuf::from) else {
         return Err("give a mesh: .obj, .gltf, .glb, .stl or .ply".into());
     };
@@ -34,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         stop.store(start.elapsed() > Duration::from_secs(10), Ordering::Relaxed);
     };
     let table = match trace(&prepared, &plan, Watch::new(&told).stopped_by(&stop)) {
-        Err(RunError::Stopped) => return Err("ten seconds were not enough".into()),
+        Err(Error::Stopped) => return Err("ten seconds were not enough".into()),
         table => table?,
     };
     eprintln!();

@@ -37,6 +37,7 @@
 //!
 //! Each folder imports only the folders before it in this list:
 //!
+//! - `error`: what can go wrong
 //! - `geometry`: polygons
 //! - `samples`: points of the entrance
 //! - `optics`: what one surface does to light
@@ -53,6 +54,7 @@
 mod beams;
 mod cell;
 pub mod cli;
+mod error;
 mod geometry;
 mod optics;
 mod plan;
@@ -63,21 +65,19 @@ mod samples;
 mod study;
 
 // The public interface of this crate. The types of the options belong to the crate `tables`.
-pub use cell::ExactError;
 pub use cell::Prepared;
-pub use optics::{MaterialError, metal, refractive_index};
+pub use error::Error;
+pub use optics::{metal, refractive_index};
 pub use plan::Plan;
-pub use plan::PlanError;
 pub use plan::Request;
 pub use rays::Tracer;
-pub use run::RunError;
 pub use run::Watch;
 pub use run::trace;
 pub use run::{Claims, Contradiction, Unchecked, claims};
 pub use run::{Comparison, ExitGap, Row};
 pub use run::{Forged, consistent};
-pub use run::{RetraceError, error_between, rebake, retrace};
-pub use study::{Point, Reference, Series, Study, StudyError, StudyPlan, StudyRequest};
+pub use run::{error_between, rebake, retrace};
+pub use study::{Point, Reference, Series, Study, StudyPlan, StudyRequest};
 pub use study::{Reached, Slope};
 
 #[cfg(test)]

@@ -24,11 +24,11 @@ mod files;
 mod mesh;
 
 // The public interface.
+pub use cell::cell::CellOptions;
 pub use cell::cell::{Cell, Entrance};
 pub use cell::normalise::{load_cell, normalise};
 pub use cell::normals::Normals;
-pub use cell::options::CellOptions;
 pub use files::load::load;
 pub use files::{gltf, obj, ply, stl, write};
-pub use mesh::error::{Counted, Error, Fault};
+pub use mesh::error::{Error, Fault};
 pub use mesh::mesh::Mesh;

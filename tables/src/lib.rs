@@ -50,11 +50,8 @@ pub use table::shards::{MOST_SHARDS, Shards};
 pub use table::symmetry::Symmetry;
 pub use table::table::Table;
 // What can be wrong:
-pub use error::error::Error;
-pub use error::mismatch::Mismatch;
-pub use error::no_direction::NoDirection;
-pub use error::output::OutputError;
-pub use table::invalid::Invalid;
+pub use error::Error;
+pub use table::check::Invalid;
 // A direction and its spectrum:
 pub use lookup::direction::Direction;
 pub use lookup::family::Family;

@@ -23,16 +23,14 @@ use crate::beams::beam;
 use crate::beams::bins;
 use crate::beams::mean;
 use crate::beams::paths;
+use crate::beams::view::View;
+use crate::cell::{ExactCell, MEAN_ERROR, Prepared};
+use crate::geometry::polygon;
+use crate::optics::{Incidence, Rules};
 use glam::{DMat2, DVec2};
 use ndarray::{Array2, Array3, Array4};
 use rayon::prelude::*;
 use tables::{Axes, Exact, Fate, Path, Provenance, Table};
-
-use crate::beams::share::Share;
-use crate::beams::view::View;
-use crate::cell::{ExactCell, ExactError, Prepared};
-use crate::geometry::polygon;
-use crate::optics::{Incidence, Rules};
 
 impl ExactCell {
     /// Traces one direction, given by its angles in degrees outside the front face, cell frame.
@@ -143,17 +141,16 @@ impl Baked {
 /// Returns the prepared cell if its table in the directions of `axes` has no error but rounding.
 ///
 /// # Errors
-///
-/// Returns [`ExactError::MeanAzimuth`] if an azimuth is NaN, the mean over all azimuths. Returns
-/// any error of [`Prepared::exact`] if the exact method does not take the cell.
-pub(crate) fn prepare<'a>(
-    prepared: &'a Prepared,
-    axes: &Axes,
-) -> Result<&'a ExactCell, ExactError> {
+/// Says why not: an azimuth is NaN, the mean over all azimuths, or the exact method does not take
+/// the cell.
+pub(crate) fn prepare<'a>(prepared: &'a Prepared, axes: &Axes) -> Result<&'a ExactCell, String> {
     if axes.azimuth_deg.iter().any(|azimuth| azimuth.is_nan()) {
-        return Err(ExactError::MeanAzimuth);
+        return Err(format!(
+            "a mean over all azimuths is a numerical integral with an error of up to {MEAN_ERROR}, \
+            so it has no exact table"
+        ));
     }
-    prepared.exact().map_err(ExactError::clone)
+    prepared.exact().map_err(String::from)
 }
 
 /// Bakes every direction of `axes`, in parallel. The result does not depend on the number of
@@ -219,4 +216,21 @@ pub(crate) fn bake(
         fate,
         exact,
     })
+}
+
+/// The fates and ray shifts of the light of one direction.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Share {
+    /// Polygons of retroreflected light with their maps, incidence frame, edge lengths.
+    pub paths: Vec<Path>,
+    /// Share of the launched light by fate, in the order of [`Fate::ALL`].
+    pub fate: [f64; Fate::ALL.len()],
+    /// Retroreflected share eta: the sum of the fates `retroreflected` and `out_of_range`.
+    pub retroreflected: f64,
+    /// Probability per launched ray of each bin, `[v][u]`, row-major. Its sum is the share of the
+    /// fate `retroreflected`.
+    pub histogram: Vec<f64>,
+    /// Net share of the slivers that were given up as rounding. The shares of all fates sum to 1
+    /// less this.
+    pub dropped: f64,
 }

@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use crate::beams::share::Share;
+use crate::beams::exact::Share;
 use crate::cell::MEAN_ERROR;
 
 /// Number of equal parts of a turn, each of one degree and halved at least once.

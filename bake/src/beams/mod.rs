@@ -11,11 +11,10 @@ pub(crate) mod exact;
 mod mean;
 mod parts;
 mod paths;
-mod share;
 mod view;
 
+#[cfg(test)]
+pub(crate) use exact::Share;
 pub(crate) use exact::spread;
 #[cfg(test)]
 pub(crate) use exact::{bake, prepare};
-#[cfg(test)]
-pub(crate) use share::Share;

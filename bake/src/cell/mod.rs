@@ -20,6 +20,6 @@ pub(crate) use bodies::Whole;
 pub(crate) use body::Body;
 pub(crate) use limits::{MEAN_ERROR, PROGRAM_FACETS, SMALL};
 pub(crate) use planar::ExactCell;
-pub use planar::ExactError;
+pub(crate) use planar::NO_PLANES;
 pub(crate) use planes::Facet;
 pub use prepared::Prepared;

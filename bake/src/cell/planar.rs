@@ -3,55 +3,11 @@
 //! The form is the planar facets and the openings of the bodies of the cell.
 
 use crate::cell::body::Body;
-use crate::cell::limits::{MEAN_ERROR, MOST_FACETS, MOST_FACETS_OF_BODY};
+use crate::cell::limits::{MOST_FACETS, MOST_FACETS_OF_BODY};
 use crate::cell::part::Part;
 
-/// The reason why a cell cannot be baked exactly.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ExactError {
-    /// The table is a mean over all azimuths: an integral that no finite set of polygons gives.
-    #[error(
-        "a mean over all azimuths is a numerical integral with an error of up to {MEAN_ERROR}, so \
-        it has no exact table"
-    )]
-    MeanAzimuth,
-    /// The table is a mean over all azimuths of a cell that sends light off the exact way back. A
-    /// mean has no paths, so it could not store where the light goes.
-    #[error(
-        "the cell sends light off the exact way back, and an exact mean over azimuths cannot store \
-        where this light goes; give --method rays, or --deviations off to leave it out"
-    )]
-    MeanDeviates,
-    /// The facets are no plane mirrors: they do not have one normal each.
-    #[error("{option} leaves no plane mirrors, which the exact method needs")]
-    NoPlanes {
-        /// The option that asks for such facets.
-        option: String,
-    },
-    /// The cell has too many triangles in one piece: joining them to planes would take minutes.
-    #[error(
-        "the cell has {triangles} triangles in one piece and the exact method takes at most \
-        {limit}; give --method rays"
-    )]
-    TooFine {
-        /// Number of triangles.
-        triangles: usize,
-        /// Largest number of triangles.
-        limit: usize,
-    },
-    /// The cell has too many planar facets: the work grows faster than their number.
-    #[error(
-        "the cell has {facets} planar facets and the exact method takes at most {limit}; give \
-        --method rays"
-    )]
-    TooManyFacets {
-        /// Number of facets after joining coplanar triangles.
-        facets: usize,
-        /// Largest number of facets.
-        limit: usize,
-    },
-}
+/// What an option does that the exact method cannot bake, behind its name.
+pub(crate) const NO_PLANES: &str = "leaves no plane mirrors, which the exact method needs";
 
 /// A cell prepared for the exact bake. Of a sheet of many cells it holds one body of each kind.
 #[derive(Debug, Clone)]
@@ -66,10 +22,9 @@ impl ExactCell {
     /// Finds the openings of the parts of a cell and checks the number of their facets.
     ///
     /// # Errors
-    ///
-    /// Returns [`ExactError::TooManyFacets`] if there are more than [`MOST_FACETS`] planar facets, or
-    /// more than [`MOST_FACETS_OF_BODY`] in one body.
-    pub(crate) fn new(parts: &[Part]) -> Result<Self, ExactError> {
+    /// Says so if there are more than [`MOST_FACETS`] planar facets, or more than
+    /// [`MOST_FACETS_OF_BODY`] in one body.
+    pub(crate) fn new(parts: &[Part]) -> Result<Self, String> {
         let most = parts.iter().map(|part| part.copies).max();
         let weight = |copies: usize| copies as f64 / most.unwrap_or(1) as f64;
         let bodies: Vec<Body> = parts
@@ -89,7 +44,10 @@ impl ExactCell {
             (exact.facet_count(), MOST_FACETS),
         ];
         match counts.into_iter().find(|(facets, limit)| facets > limit) {
-            Some((facets, limit)) => Err(ExactError::TooManyFacets { facets, limit }),
+            Some((facets, limit)) => Err(format!(
+                "the cell has {facets} planar facets and the exact method takes at most {limit}; \
+                give --method rays"
+            )),
             None => Ok(exact),
         }
     }

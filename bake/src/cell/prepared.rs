@@ -4,7 +4,7 @@ use crate::cell::bodies;
 use crate::cell::bodies::{Kind, Whole};
 use crate::cell::limits::{MOST_TRIANGLES, SMALL};
 use crate::cell::part::Part;
-use crate::cell::planar::{ExactCell, ExactError};
+use crate::cell::planar::{ExactCell, NO_PLANES};
 use crate::cell::symmetry;
 use meshes::Cell;
 use std::sync::OnceLock;
@@ -19,7 +19,7 @@ pub struct Prepared {
     /// Bodies of the cell by kind, however few facets it has, or why there are none.
     apart: Result<Vec<Kind>, Whole>,
     parts: OnceLock<Option<Vec<Part>>>,
-    exact: OnceLock<Result<ExactCell, ExactError>>,
+    exact: OnceLock<Result<ExactCell, String>>,
     symmetry: OnceLock<Symmetry>,
 }
 
@@ -57,24 +57,23 @@ impl Prepared {
     /// Returns the cell in the form that the exact method takes.
     ///
     /// # Errors
-    ///
-    /// Returns [`ExactError::NoPlanes`] if the facets have normals from the file. Returns
-    /// [`ExactError::TooFine`] if the cell is one piece of too many triangles, and
-    /// [`ExactError::TooManyFacets`] if it has too many planar facets.
-    pub(crate) fn exact(&self) -> Result<&ExactCell, &ExactError> {
+    /// Says why not, as part of a sentence: the facets have normals from the file, the cell is one
+    /// piece of too many triangles, or it has too many planar facets.
+    pub(crate) fn exact(&self) -> Result<&ExactCell, &str> {
         let exact = self.exact.get_or_init(|| {
             if self.cell.normals.is_some() {
-                return Err(ExactError::NoPlanes {
-                    option: "--normals file".into(),
-                });
+                return Err(format!("--normals file {NO_PLANES}"));
             }
-            let parts = self.parts().ok_or(ExactError::TooFine {
-                triangles: self.cell.facets.len(),
-                limit: MOST_TRIANGLES,
+            let parts = self.parts().ok_or_else(|| {
+                let triangles = self.cell.facets.len();
+                format!(
+                    "the cell has {triangles} triangles in one piece and the exact method takes at \
+                    most {MOST_TRIANGLES}; give --method rays"
+                )
             })?;
             ExactCell::new(parts)
         });
-        exact.as_ref()
+        exact.as_ref().map_err(String::as_str)
     }
 
     /// Returns the symmetry of the cell about the sheet's normal.

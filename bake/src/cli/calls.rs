@@ -10,18 +10,17 @@ use meshes::Mesh;
 use tables::Table;
 use tables::cli::parsed;
 
-use crate::cli::failure::Failure;
 use crate::cli::{design, trace};
-use crate::run::RunError;
+use crate::error::Error;
 
 pub use crate::cli::host::Caller;
 pub use tables::cli::Refused;
 
-impl From<Failure> for Refused {
-    fn from(failure: Failure) -> Refused {
-        match failure {
-            Failure::Run(RunError::Stopped) => Refused::Stopped,
-            failure => Refused::Sentence(failure.to_string()),
+impl From<Error> for Refused {
+    fn from(error: Error) -> Refused {
+        match error {
+            Error::Stopped => Refused::Stopped,
+            error => Refused::Sentence(error.to_string()),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Options that describe the cell of a mesh file, and the cell that they make.
 
-use crate::cli::failure::Failure;
+use crate::error::Error;
 use clap::Args;
 use glam::DVec3;
 use meshes::{Cell, CellOptions, Mesh};
@@ -10,12 +10,13 @@ use tables::options::{Front, NormalsFrom, SceneOptions};
 
 /// Options that say about a cell what the mesh file does not, or override it.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct CellArgs {
     /// Edge length, file units [default: found from the mesh]
     ///
     /// The length of a cube's edge from its apex. It is the unit of all lengths in the table. When
     /// a table is verified, edge length and azimuth 0 are those of the table by default.
-    #[arg(long, value_parser = number, value_name = "LENGTH", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "LENGTH")]
     pub(crate) edge_length: Option<f64>,
     /// Direction of azimuth 0 in the frame of the file
     ///
@@ -41,9 +42,9 @@ impl CellArgs {
     /// Loads the cell of the file `mesh` with these options and those of the `scene`.
     ///
     /// # Errors
-    /// Returns [`Failure::Numbers`] if an option is no list of numbers, and [`Failure::Mesh`] if
-    /// the file cannot be read or is no cell.
-    pub(crate) fn load(&self, mesh: &Path, scene: &SceneOptions) -> Result<Cell, Failure> {
+    /// Returns an [`Error`] if an option is no list of numbers, or if the file cannot be read or is
+    /// no cell.
+    pub(crate) fn load(&self, mesh: &Path, scene: &SceneOptions) -> Result<Cell, Error> {
         self.with_unit(meshes::load_cell(mesh, &self.options(scene)?))
     }
 
@@ -56,18 +57,18 @@ impl CellArgs {
         mesh: &Mesh,
         name: &Path,
         scene: &SceneOptions,
-    ) -> Result<Cell, Failure> {
+    ) -> Result<Cell, Error> {
         self.with_unit(meshes::normalise(mesh, name, &self.options(scene)?))
     }
 
     /// Returns a cell with the unit that was given.
-    fn with_unit(&self, cell: Result<Cell, meshes::Error>) -> Result<Cell, Failure> {
+    fn with_unit(&self, cell: Result<Cell, meshes::Error>) -> Result<Cell, Error> {
         let unit = self.unit.clone();
         Ok(Cell { unit, ..cell? })
     }
 
     /// Returns these options and those of the `scene` as options of a cell.
-    fn options(&self, scene: &SceneOptions) -> Result<CellOptions, Failure> {
+    fn options(&self, scene: &SceneOptions) -> Result<CellOptions, Error> {
         let lattice = self
             .lattice
             .as_deref()
@@ -90,11 +91,7 @@ impl CellArgs {
 }
 
 /// Reads `N` finite numbers separated by commas; an error names the option and an example.
-fn numbers<const N: usize>(
-    option: &'static str,
-    text: &str,
-    example: &'static str,
-) -> Result<[f64; N], Failure> {
+fn numbers<const N: usize>(option: &str, text: &str, example: &str) -> Result<[f64; N], Error> {
     let read = |part: &str| {
         part.trim()
             .parse::<f64>()
@@ -102,11 +99,9 @@ fn numbers<const N: usize>(
             .filter(|number| number.is_finite())
     };
     let list: Option<Vec<f64>> = text.split(',').map(read).collect();
-    list.and_then(|list| list.try_into().ok())
-        .ok_or_else(|| Failure::Numbers {
-            option,
-            text: text.into(),
-            count: N,
-            example,
-        })
+    list.and_then(|list| list.try_into().ok()).ok_or_else(|| {
+        Error::Usage(format!(
+            "{option} {text}: give {N} numbers separated by commas, such as {example}"
+        ))
+    })
 }

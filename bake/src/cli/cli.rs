@@ -2,12 +2,12 @@
 
 use crate::cli::compare;
 use crate::cli::design;
-use crate::cli::failure::Failure;
 use crate::cli::inspect;
 use crate::cli::merge;
 use crate::cli::study;
 use crate::cli::trace;
 use crate::cli::verify;
+use crate::error::Error;
 use crate::run::{Launched, start};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
@@ -208,13 +208,13 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>, commit: Option<&str>)
         Verb::Compare(args) => compare::run(&args),
         Verb::Verify(args) => verify::run(&args),
         Verb::Merge(args) => merge::run(&args),
-        Verb::Completions(args) => args.run(Cli::command()).map_err(Failure::from),
-        Verb::Manual(args) => args.run(Cli::command()).map_err(Failure::from),
+        Verb::Completions(args) => args.run(Cli::command()).map_err(Error::from),
+        Verb::Manual(args) => args.run(Cli::command()).map_err(Error::from),
     };
     match done {
-        Ok(()) | Err(Failure::Elsewhere) => ExitCode::SUCCESS,
+        Ok(()) | Err(Error::Elsewhere) => ExitCode::SUCCESS,
         Err(failure) => {
-            failure.print();
+            tables::cli::fail(&failure);
             ExitCode::from(failure.code())
         }
     }

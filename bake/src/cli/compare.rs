@@ -1,7 +1,7 @@
 //! `bake compare`: compares two tables direction by direction.
 
-use crate::cli::failure::Failure;
 use crate::cli::report::{comparison_json, comparison_text};
+use crate::error::Error;
 use crate::run::Comparison;
 use clap::Args;
 use std::path::PathBuf;
@@ -22,22 +22,25 @@ pub(crate) struct CompareArgs {
 /// Runs `bake compare`.
 ///
 /// # Errors
-/// Returns [`Failure::Differ`] if the tables differ, after the comparison was printed.
-pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
+/// Returns an [`Error`] if the tables differ, after the comparison was printed.
+pub(crate) fn run(args: &CompareArgs) -> Result<(), Error> {
     let [a, b] = [tables::read(&args.first)?, tables::read(&args.second)?];
-    let comparison = Comparison::new(&a, &b).map_err(|reason| Failure::Axes {
-        first: args.first.clone(),
-        second: args.second.clone(),
-        reason,
+    let comparison = Comparison::new(&a, &b).map_err(|reason| {
+        let [first, second] = [&args.first, &args.second].map(|file| file.display());
+        Error::Failed(format!(
+            "{first} and {second}: {reason}; bake both with the same --incidence, --azimuth, \
+            --bins and --range"
+        ))
     })?;
     print(&if args.json {
         comparison_json(&comparison)
     } else {
         comparison_text(&comparison)
     })?;
-    if comparison.agrees() {
-        Ok(())
-    } else {
-        Err(Failure::Differ)
+    match comparison.agrees() {
+        true => Ok(()),
+        false => Err(Error::Failed(
+            "the tables differ by more than their errors allow".into(),
+        )),
     }
 }

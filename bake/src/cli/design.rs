@@ -1,7 +1,7 @@
 //! `bake design`: reads its options and writes the mesh of a design.
 
-use crate::cli::failure::Failure;
-use crate::cli::heading;
+use crate::error::Error;
+use crate::plan::heading;
 use clap::Args;
 use meshes::design::{Bead, Design, Plate, Shape};
 use meshes::{Fault, Mesh};
@@ -11,6 +11,7 @@ use tables::cli::{number, print, whole};
 
 /// Options of `bake design`.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct DesignArgs {
     /// Name of the design; --list prints all names
     #[arg(required_unless_present = "list")]
@@ -37,24 +38,12 @@ pub(crate) struct DesignArgs {
     ///
     /// For the design canted only, 8.59 degrees (0.15 rad) by default. A positive angle leans
     /// towards edge 1.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "DEG",
-        allow_negative_numbers = true,
-        help_heading = heading::SHAPE
-    )]
+    #[arg(long, value_parser = number, value_name = "DEG", help_heading = heading::SHAPE)]
     pub(crate) cant_deg: Option<f64>,
     /// Width of the flat land between neighbouring cubes, file units
     ///
     /// Between full cubes the gap is open.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "LENGTH",
-        allow_negative_numbers = true,
-        help_heading = heading::SHAPE
-    )]
+    #[arg(long, value_parser = number, value_name = "LENGTH", help_heading = heading::SHAPE)]
     pub(crate) gap: Option<f64>,
     /// Errors of the dihedral angles at edges 1, 2, 3, mrad
     ///
@@ -71,13 +60,7 @@ pub(crate) struct DesignArgs {
     /// Bulge of each face in its middle, edge lengths
     ///
     /// A positive bulge is towards the light. The normals of the curved faces are written too.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "S",
-        allow_negative_numbers = true,
-        help_heading = heading::IMPERFECT
-    )]
+    #[arg(long, value_parser = number, value_name = "S", help_heading = heading::IMPERFECT)]
     pub(crate) sag: Option<f64>,
     /// Facets along an edge of a face [default: 1; 40 with --sag]
     ///
@@ -91,13 +74,7 @@ pub(crate) struct DesignArgs {
     )]
     pub(crate) segments: Option<u32>,
     /// Radius of the rounded edges from the apex, file units
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "LENGTH",
-        allow_negative_numbers = true,
-        help_heading = heading::IMPERFECT
-    )]
+    #[arg(long, value_parser = number, value_name = "LENGTH", help_heading = heading::IMPERFECT)]
     pub(crate) edge_radius: Option<f64>,
     /// Planar strips of each rounded edge [default: 8]
     #[arg(
@@ -108,13 +85,7 @@ pub(crate) struct DesignArgs {
     )]
     pub(crate) strips: Option<u32>,
     /// Part of each edge that a flat facet at the apex cuts off
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "PART",
-        allow_negative_numbers = true,
-        help_heading = heading::IMPERFECT
-    )]
+    #[arg(long, value_parser = number, value_name = "PART", help_heading = heading::IMPERFECT)]
     pub(crate) apex_flat: Option<f64>,
     #[command(flatten, next_help_heading = heading::ELEMENT)]
     pub(crate) element: ElementArgs,
@@ -124,18 +95,18 @@ pub(crate) struct DesignArgs {
 #[derive(Debug, Args)]
 pub(crate) struct ElementArgs {
     /// Depth of each layer of mirrors, pitches (design plate) [default: 3]
-    #[arg(long, value_parser = number, value_name = "PITCHES", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "PITCHES")]
     depth: Option<f64>,
     /// Thickness of a mirror, pitches (design plate) [default: 0.02]
-    #[arg(long, value_parser = number, value_name = "PITCHES", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "PITCHES")]
     thickness: Option<f64>,
     /// Diameter of a bead, pitches (design bead) [default: 0.95]
-    #[arg(long, value_parser = number, value_name = "PITCHES", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "PITCHES")]
     diameter: Option<f64>,
 }
 
 /// Runs `bake design`: writes a mesh, or prints the list of designs.
-pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &DesignArgs) -> Result<(), Error> {
     if args.list {
         let lines =
             meshes::design::list().map(|(name, description)| format!("{name:16} {description}\n"));
@@ -148,16 +119,21 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     write(&made(name, args)?, output)
 }
 
+/// Makes the error of an option of a design.
+fn wrong(fault: Fault) -> Error {
+    Error::Usage(fault.to_string())
+}
+
 /// Makes the mesh of the design with this name.
 ///
 /// # Errors
-/// Returns [`Failure::Design`] if there is no such design, or if an option has no meaning for it or
-/// is out of range, and [`Failure::Numbers`] if the dihedral errors are not three.
-fn made(name: &str, args: &DesignArgs) -> Result<Mesh, Failure> {
+/// Returns [`Error::Usage`] if there is no such design, if an option has no meaning for it or is out
+/// of range, or if the dihedral errors are not three.
+fn made(name: &str, args: &DesignArgs) -> Result<Mesh, Error> {
     if let Some(mesh) = element(name, args)? {
         return Ok(mesh);
     }
-    let mut design = Design::new(Shape::from_name(name).map_err(Failure::Design)?);
+    let mut design = Design::new(Shape::from_name(name).map_err(wrong)?);
     if let Some(length) = args.edge_length {
         design.edge_length = length;
     }
@@ -165,19 +141,11 @@ fn made(name: &str, args: &DesignArgs) -> Result<Mesh, Failure> {
         [] => {}
         [a, b, c] => design.dihedral_error_rad = [a, b, c].map(|error| error * 1e-3),
         _ => {
-            let text = args
-                .dihedral_error_mrad
-                .iter()
-                .map(f64::to_string)
-                .collect::<Vec<_>>()
-                .join(",");
-            let option = "--dihedral-error-mrad";
-            return Err(Failure::Numbers {
-                option,
-                text,
-                count: 3,
-                example: "0.1,0,0",
-            });
+            let given = args.dihedral_error_mrad.iter().map(f64::to_string);
+            return Err(Error::Usage(format!(
+                "--dihedral-error-mrad {}: give 3 numbers separated by commas, such as 0.1,0,0",
+                given.collect::<Vec<_>>().join(",")
+            )));
         }
     }
     if let Some(truncation) = args.truncation {
@@ -196,7 +164,7 @@ fn made(name: &str, args: &DesignArgs) -> Result<Mesh, Failure> {
     design.strips = args.strips.unwrap_or(design.strips);
     design.apex_flat = args.apex_flat.unwrap_or(design.apex_flat);
     design.gap = args.gap.unwrap_or(design.gap);
-    design.mesh().map_err(Failure::Design)
+    design.mesh().map_err(wrong)
 }
 
 /// Returns the mesh of the design that is named, as if it had been written to an OBJ file and read
@@ -204,10 +172,10 @@ fn made(name: &str, args: &DesignArgs) -> Result<Mesh, Failure> {
 ///
 /// # Errors
 /// Fails as [`run`] does, but for the file.
-pub(super) fn read_back(args: &DesignArgs) -> Result<Mesh, Failure> {
+pub(super) fn read_back(args: &DesignArgs) -> Result<Mesh, Error> {
     let name = args.name.as_deref().unwrap_or_default();
     let text = meshes::write::obj(&made(name, args)?);
-    meshes::obj::parse(text.as_bytes()).map_err(Failure::Design)
+    meshes::obj::parse(text.as_bytes()).map_err(wrong)
 }
 
 /// Makes the mesh of a plate or of beads, if `name` is one of these designs.
@@ -215,8 +183,8 @@ pub(super) fn read_back(args: &DesignArgs) -> Result<Mesh, Failure> {
 /// Returns `None` for any other name, which is left to [`Shape::from_name`].
 ///
 /// # Errors
-/// Returns [`Failure::Design`] if an option has no meaning for the design, or is out of range.
-fn element(name: &str, args: &DesignArgs) -> Result<Option<Mesh>, Failure> {
+/// Returns [`Error::Usage`] if an option has no meaning for the design, or is out of range.
+fn element(name: &str, args: &DesignArgs) -> Result<Option<Mesh>, Error> {
     let own = &args.element;
     let pitch = args.edge_length.unwrap_or(1.0);
     let of_plates = [
@@ -238,7 +206,7 @@ fn element(name: &str, args: &DesignArgs) -> Result<Option<Mesh>, Failure> {
     let refuse = |others: &[&[(&'static str, bool)]]| {
         let named = others.iter().copied().flatten().find(|(_, given)| *given);
         named.map_or(Ok(()), |&(option, _)| {
-            Err(Failure::Design(Fault::DesignOptionUnused {
+            Err(wrong(Fault::DesignOptionUnused {
                 design: name.to_owned(),
                 option,
             }))
@@ -265,16 +233,20 @@ fn element(name: &str, args: &DesignArgs) -> Result<Option<Mesh>, Failure> {
         }
         _ => return refuse(&[&of_plates, &of_beads]).map(|()| None),
     };
-    mesh.map(Some).map_err(Failure::Design)
+    mesh.map(Some).map_err(wrong)
 }
 
 /// Writes a mesh in the format that the extension of `output` names.
-pub(super) fn write(mesh: &Mesh, output: &Path) -> Result<(), Failure> {
+pub(super) fn write(mesh: &Mesh, output: &Path) -> Result<(), Error> {
     let bytes = match extension(output).as_str() {
         "obj" => meshes::write::obj(mesh).into_bytes(),
-        "glb" if !mesh.glass.is_empty() => return Err(Failure::Design(Fault::GlassInGlb)),
+        "glb" if !mesh.glass.is_empty() => return Err(wrong(Fault::GlassInGlb)),
         "glb" => meshes::write::glb(mesh),
-        _ => return Err(Failure::MeshExtension(output.to_owned())),
+        _ => {
+            let name = output.display();
+            let fault = format!("-o {name}: the extension must be .obj or .glb");
+            return Err(Error::Usage(fault));
+        }
     };
     Ok(Outputs::beside([]).reserve(output)?.commit(&bytes)?)
 }

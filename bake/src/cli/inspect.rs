@@ -1,7 +1,7 @@
 //! `bake inspect`: prints the content of a table and draws it.
 
-use crate::cli::failure::Failure;
 use crate::cli::report::{directions_json, directions_text};
+use crate::error::Error;
 use crate::plots::{exits, shifts};
 use clap::Args;
 use serde_json::json;
@@ -33,7 +33,7 @@ pub(crate) struct InspectArgs {
 }
 
 /// Runs `bake inspect`: draws the plots that were asked for and prints the report.
-pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &InspectArgs) -> Result<(), Error> {
     let mut outputs = Outputs::beside([args.table.as_path()]);
     let moved = reserve_plot(args.plot.as_deref(), &mut outputs)?;
     let spots = reserve_plot(args.plot_deviations.as_deref(), &mut outputs)?;

@@ -1,6 +1,6 @@
 //! `bake merge`: merges tables of one cell.
 
-use crate::cli::failure::Failure;
+use crate::error::Error;
 use clap::Args;
 use std::path::PathBuf;
 use tables::cli::{print, warn};
@@ -21,7 +21,7 @@ pub(crate) struct MergeArgs {
 }
 
 /// Runs `bake merge`.
-pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &MergeArgs) -> Result<(), Error> {
     // All tables are read before the output is written, so the output may be one of them.
     let output = Outputs::beside([]).reserve_table(&args.output)?;
     let parts = args
@@ -29,9 +29,10 @@ pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
         .iter()
         .map(|file| tables::read(file))
         .collect::<Result<Vec<Table>, _>>()?;
-    let merged = tables::merge(&parts).map_err(|source| Failure::Merge {
-        files: args.tables.clone(),
-        source: Box::new(source),
+    let merged = tables::merge(&parts).map_err(|error| {
+        let files = args.tables.iter().map(|file| file.display().to_string());
+        let files = files.collect::<Vec<_>>().join(", ");
+        Error::Failed(format!("{error} (tables, counted from 0: {files})"))
     })?;
     if let Some(shards) = &merged.provenance.shards {
         warn(&[format!(

@@ -11,8 +11,6 @@ mod cell;
 mod cli;
 mod compare;
 mod design;
-mod failure;
-mod heading;
 mod host;
 mod inspect;
 mod merge;

@@ -1,9 +1,9 @@
 //! `bake study`: reads its options, runs the study, and writes what it measured.
 
 use crate::cli::cell::CellArgs;
-use crate::cli::failure::Failure;
-use crate::cli::heading;
 use crate::cli::progress::Progress;
+use crate::error::Error;
+use crate::plan::heading;
 use crate::plan::{Request, default};
 use crate::study::{StudyPlan, picture, report, study};
 use clap::Args;
@@ -14,11 +14,12 @@ use tables::options::{Back, SceneOptions};
 
 /// Options of `bake study`.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct StudyArgs {
     /// Mesh file of one cell: .obj, .gltf, .glb, .stl or .ply
     mesh: PathBuf,
     /// Refractive index behind the front face [default: the file's, else 1]
-    #[arg(long, value_parser = number, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, value_name = "M")]
     refractive_index: Option<f64>,
     /// Angles of incidence in the air, degrees
     ///
@@ -70,7 +71,6 @@ pub(crate) struct StudyArgs {
         value_parser = number,
         value_name = "E",
         default_value_t = study::default::TARGET,
-        allow_negative_numbers = true,
         help_heading = heading::MEASUREMENT
     )]
     target: f64,
@@ -82,7 +82,6 @@ pub(crate) struct StudyArgs {
         value_parser = number,
         value_name = "SECONDS",
         default_value_t = study::default::LONGEST_SECONDS,
-        allow_negative_numbers = true,
         help_heading = heading::MEASUREMENT
     )]
     longest: f64,
@@ -112,7 +111,6 @@ pub(crate) struct StudyArgs {
         long,
         value_parser = number,
         default_value_t = default::RANGE,
-        allow_negative_numbers = true,
         help_heading = heading::ACCURACY
     )]
     range: f64,
@@ -141,7 +139,7 @@ pub(crate) struct StudyArgs {
 }
 
 /// Runs `bake study`.
-pub(crate) fn run(args: &StudyArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &StudyArgs) -> Result<(), Error> {
     let study = StudyPlan::new(study::StudyRequest {
         trace: Request {
             incidence: args.incidence.clone(),

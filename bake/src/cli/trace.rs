@@ -2,13 +2,12 @@
 
 use crate::cell::Prepared;
 use crate::cli::cell::CellArgs;
-use crate::cli::failure::Failure;
-use crate::cli::heading;
 use crate::cli::host::Caller;
 use crate::cli::progress::{self, Progress};
 use crate::cli::report;
+use crate::error::Error;
 use crate::optics::material;
-use crate::plan::{BINS_LIMIT, MOST_THREADS, Plan, PlanError, Request, default};
+use crate::plan::{Plan, Request, heading};
 use crate::run::{Bake, Launched, Ranks, SavedFile, Saves, Watch, saves};
 use clap::Args;
 use meshes::Mesh;
@@ -16,13 +15,12 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use tables::cli::{number, print, warn, whole};
-use tables::options::{Back, Losses, Method, Record, Sampler, SceneOptions};
+use tables::cli::{fail, print, warn};
+use tables::options::{Method, Record};
 use tables::{Output, Outputs, Table};
 
 /// Options of `bake trace`.
 #[derive(Debug, Args)]
-#[command(mut_arg("deviations", |arg| arg.help_heading(heading::ACCURACY)))]
 pub(crate) struct TraceArgs {
     /// Mesh file of one cell: .obj, .gltf, .glb, .stl or .ply
     mesh: PathBuf,
@@ -37,76 +35,8 @@ pub(crate) struct TraceArgs {
     /// such as 450:1.50,650:1.49. A material and pairs need --wavelength-nm.
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     refractive_index: Option<String>,
-    /// Angles of incidence in the air, degrees
-    ///
-    /// A list such as 0,15,30, or start:stop:step. The angle is measured from the sheet's normal.
-    #[arg(
-        long,
-        value_name = "ANGLES",
-        default_value = default::INCIDENCE,
-        allow_hyphen_values = true
-    )]
-    incidence: String,
-    /// Azimuths about the sheet's normal, degrees
-    ///
-    /// A list such as 0,30; start:stop:step; full for all azimuths in steps of at most 5 degrees,
-    /// or full:STEP for another step; or mean for the average over all azimuths. With full, only
-    /// one sector of a symmetric cell is baked. It stands for all azimuths.
-    #[arg(
-        long,
-        value_name = "ANGLES",
-        default_value = default::AZIMUTH,
-        allow_hyphen_values = true
-    )]
-    azimuth: String,
-    /// Histogram bins along u and along v
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = default::BINS,
-        help_heading = heading::ACCURACY,
-        value_parser = whole::<usize>(1..=BINS_LIMIT)
-    )]
-    bins: usize,
-    /// Half width of the histogram, edge lengths
-    ///
-    /// The histogram covers shifts u and v from -RANGE to RANGE.
-    #[arg(
-        long,
-        value_parser = number,
-        default_value_t = default::RANGE,
-        allow_negative_numbers = true,
-        help_heading = heading::ACCURACY
-    )]
-    range: f64,
-    /// Largest deviation of retroreflected light, degrees
-    ///
-    /// A path counts as retroreflected if its linear map deviates from -I by at most this angle.
-    /// For a plate, the map of its image takes the place of -I. With --glass-index, the exit
-    /// direction decides.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "DEG",
-        default_value_t = default::ANGULAR_TOLERANCE_DEG,
-        allow_negative_numbers = true,
-        help_heading = heading::ACCURACY
-    )]
-    angular_tolerance: f64,
-    /// Chooses directions that keep the interpolation error below TV
-    ///
-    /// Chooses the fewest directions between the ends of --incidence and of --azimuth, so that the
-    /// polygons of an exact table, interpolated, give every other direction within this total
-    /// variation of eta x histogram (above 0, at most 1). Steps, and listed angles between the
-    /// ends, have no effect.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "TV",
-        allow_negative_numbers = true,
-        help_heading = heading::ACCURACY
-    )]
-    direction_tolerance: Option<f64>,
+    #[command(flatten)]
+    request: Request,
     /// Wavelengths in vacuum, nm
     ///
     /// Each wavelength has a table of its own.
@@ -115,75 +45,17 @@ pub(crate) struct TraceArgs {
         alias = "wavelengths-nm",
         value_name = "NM,..",
         value_delimiter = ',',
-        allow_negative_numbers = true,
         help_heading = heading::MATERIAL
     )]
     wavelength_nm: Vec<f64>,
-    /// Backing of facets
-    #[arg(long, value_enum, default_value_t = Back::Mirror, help_heading = heading::MATERIAL)]
-    back: Back,
-    /// Losses at surfaces
-    ///
-    /// With none, the reflectance mu that fit estimates contains these losses.
-    #[arg(long, value_enum, default_value_t = Losses::None, help_heading = heading::MATERIAL)]
-    losses: Losses,
     /// Metal of the mirrors: aluminium, silver or N,K
     ///
     /// N,K is the complex refractive index, such as 0.96,6.7. A name needs --wavelength-nm. Needs
     /// --losses fresnel and excludes --reflectance.
     #[arg(long, value_name = "NAME", allow_hyphen_values = true, help_heading = heading::MATERIAL)]
     metal: Option<String>,
-    /// Share of the light that a mirror facet reflects [default: 1]
-    ///
-    /// Needs --losses fresnel.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "R",
-        allow_negative_numbers = true,
-        help_heading = heading::MATERIAL
-    )]
-    reflectance: Option<f64>,
-    #[command(flatten, next_help_heading = heading::MATERIAL)]
-    scene: SceneOptions,
     #[command(flatten, next_help_heading = heading::CELL)]
     cell: CellArgs,
-    /// Exact beams or rays
-    #[arg(long, value_enum, default_value_t = Method::Auto, help_heading = heading::RAYS)]
-    method: Method,
-    /// Rays per direction [default: 4194304]
-    #[arg(long, value_name = "N", help_heading = heading::RAYS, value_parser = whole::<u64>(1..))]
-    rays: Option<u64>,
-    /// Traces until the estimated L1 error of every direction is below E
-    ///
-    /// The L1 error is the sum, over the bins of eta x histogram, of the absolute errors. It is at
-    /// most 2. Not together with --rays, --shard or --sampler random.
-    #[arg(
-        long,
-        value_parser = number,
-        value_name = "E",
-        allow_negative_numbers = true,
-        help_heading = heading::RAYS
-    )]
-    tolerance: Option<f64>,
-    /// Kind of sample points
-    #[arg(long, value_enum, default_value_t = Sampler::Sobol, help_heading = heading::RAYS)]
-    sampler: Sampler,
-    /// Seed of the samples
-    ///
-    /// To add rays to a table, bake again with the seed that follows, and merge the two tables.
-    #[arg(
-        long,
-        default_value_t = default::SEED,
-        help_heading = heading::RAYS,
-        value_parser = whole::<u64>(0..)
-    )]
-    seed: u64,
-    /// Traces only share K of N equal shares of the samples
-    ///
-    /// Merge the N tables with bake merge. The result is the table of a single bake, byte for byte.
-    #[arg(long, value_name = "K/N", help_heading = heading::LONG_RUNS)]
-    shard: Option<String>,
     /// Continues the interrupted bake of this table
     ///
     /// Reads TABLE.h5.resume beside the table. Give all other options again.
@@ -203,68 +75,46 @@ pub(crate) struct TraceArgs {
     /// Prints the report as one JSON object
     #[arg(long, help_heading = heading::OUTPUT)]
     json: bool,
-    /// Number of threads [default: all processors]
-    ///
-    /// The table does not depend on it.
-    #[arg(
-        long,
-        value_name = "N",
-        help_heading = heading::OUTPUT,
-        value_parser = whole::<usize>(1..=MOST_THREADS)
-    )]
-    threads: Option<usize>,
 }
 
 impl TraceArgs {
     /// Returns what is asked of the table of one wavelength (nm), or of the only table.
-    fn request(&self, wavelength_nm: Option<f64>) -> Result<Request, PlanError> {
+    fn request(&self, wavelength_nm: Option<f64>) -> Result<Request, Error> {
         let index = self.refractive_index.as_deref();
         let index = index.map(|text| material::refractive_index(text, wavelength_nm));
         let metal = self.metal.as_deref();
         let metal = metal.map(|text| material::metal(text, wavelength_nm));
         Ok(Request {
-            incidence: self.incidence.clone(),
-            azimuth: self.azimuth.clone(),
             refractive_index: index.transpose()?,
-            back: self.back,
-            losses: self.losses,
-            reflectance: self.reflectance,
             metal: metal.transpose()?,
             wavelength_nm,
-            method: self.method,
-            sampler: self.sampler,
-            rays: self.rays,
-            tolerance: self.tolerance,
-            bins: self.bins,
-            range: self.range,
-            angular_tolerance_deg: self.angular_tolerance,
-            seed: self.seed,
-            threads: self.threads,
-            shard: self.shard.clone(),
-            direction_tolerance: self.direction_tolerance,
-            scene: self.scene,
+            ..self.request.clone()
         })
     }
 
     /// Returns the tables to write, each with its wavelength in nm if one is named.
-    fn tables(&self) -> Result<Vec<(PathBuf, Option<f64>)>, PlanError> {
+    fn tables(&self) -> Result<Vec<(PathBuf, Option<f64>)>, Error> {
         let name = self.output.to_string_lossy();
         let named = name.contains("{nm}");
         match &self.wavelength_nm[..] {
-            [] if named => Err(PlanError::NoWavelength {
-                output: name.into_owned(),
-            }),
+            [] if named => Err(Error::Usage(format!(
+                "-o {name}: {{nm}} stands for a wavelength, but no wavelength is given; give \
+                --wavelength-nm, or a name without {{nm}}"
+            ))),
             [] => Ok(vec![(self.output.clone(), None)]),
-            [_, _, ..] if !named => Err(PlanError::OneFile {
-                wavelengths: self.wavelength_nm.len(),
-                output: name.into_owned(),
-            }),
+            [_, _, ..] if !named => Err(Error::Usage(format!(
+                "--wavelength-nm names {} wavelengths, and each of them has a table of its own, \
+                but -o {name} names one file only; write {{nm}} where the wavelength belongs in \
+                the name, such as sheet-{{nm}}.h5",
+                self.wavelength_nm.len()
+            ))),
             wavelengths
                 if (1..wavelengths.len()).any(|k| wavelengths[..k].contains(&wavelengths[k])) =>
             {
-                Err(PlanError::Twice {
-                    wavelengths: wavelengths.to_vec(),
-                })
+                Err(Error::Usage(format!(
+                    "--wavelength-nm {wavelengths:?}: a wavelength is given twice; give each \
+                    wavelength once, because each has a table of its own"
+                )))
             }
             wavelengths => Ok(wavelengths
                 .iter()
@@ -291,13 +141,18 @@ pub(crate) fn run(
     args: &TraceArgs,
     ranks: &dyn Ranks,
     launched: Option<Launched>,
-) -> Result<(), Failure> {
+) -> Result<(), Error> {
     if let Some(Launched { number, count }) = launched
-        && (ranks.count() == 1 && count > 1 && args.shard.is_none())
+        && (ranks.count() == 1 && count > 1 && args.request.shard.is_none())
     {
         return Err(match number {
-            0 => Failure::NotJoined { count },
-            _ => Failure::Elsewhere,
+            0 => Error::Usage(format!(
+                "this is one of {count} processes of mpirun, but this bake was built without the \
+                feature mpi, or for another MPI, so each process would do the whole bake; build it \
+                with `cargo install --path bake --features mpi`, or give each process its own \
+                --shard"
+            )),
+            _ => Error::Elsewhere,
         });
     }
     let (prepared, plans) = agreed(inputs(args), ranks)?;
@@ -324,13 +179,13 @@ pub(crate) fn run(
 type Planned = (PathBuf, Plan);
 
 /// Reads the mesh, and returns the dissected cell and one plan for each table.
-fn inputs(args: &TraceArgs) -> Result<(Prepared, Vec<Planned>), Failure> {
+fn inputs(args: &TraceArgs) -> Result<(Prepared, Vec<Planned>), Error> {
     let plans = args
         .tables()?
         .into_iter()
         .map(|(file, nm)| Ok((file, Plan::new(&args.request(nm)?)?)))
-        .collect::<Result<Vec<_>, PlanError>>()?;
-    let cell = args.cell.load(&args.mesh, &args.scene)?;
+        .collect::<Result<Vec<_>, Error>>()?;
+    let cell = args.cell.load(&args.mesh, &args.request.scene)?;
     Ok((Prepared::new(cell), plans))
 }
 
@@ -345,12 +200,12 @@ pub(super) fn called(
     args: &TraceArgs,
     mesh: Option<&Mesh>,
     caller: &Caller,
-) -> Result<(Table, Vec<String>), Failure> {
+) -> Result<(Table, Vec<String>), Error> {
     let wavelength_nm = args.tables()?.first().and_then(|(_, nm)| *nm);
     let plan = Plan::new(&args.request(wavelength_nm)?)?;
     let cell = match mesh {
-        Some(mesh) => args.cell.of_mesh(mesh, &args.mesh, &args.scene)?,
-        None => args.cell.load(&args.mesh, &args.scene)?,
+        Some(mesh) => args.cell.of_mesh(mesh, &args.mesh, &args.request.scene)?,
+        None => args.cell.load(&args.mesh, &args.request.scene)?,
     };
     let prepared = Prepared::new(cell);
     let mut warnings = prepared.cell().warnings.clone();
@@ -389,7 +244,7 @@ fn jobs<'a>(
     prepared: &'a Prepared,
     plans: &'a [Planned],
     leads: bool,
-) -> Result<Vec<Job<'a>>, Failure> {
+) -> Result<Vec<Job<'a>>, Error> {
     let mut outputs = Outputs::beside([args.mesh.as_path()]);
     if leads {
         warn(&prepared.cell().warnings);
@@ -424,11 +279,7 @@ impl Job<'_> {
     /// report as JSON.
     ///
     /// Returns `None` in a rank that does not write.
-    fn run(
-        self,
-        args: &TraceArgs,
-        ranks: &dyn Ranks,
-    ) -> Result<Option<serde_json::Value>, Failure> {
+    fn run(self, args: &TraceArgs, ranks: &dyn Ranks) -> Result<Option<serde_json::Value>, Error> {
         let progress = Progress::new(&self.bake, ranks.leads());
         // A table that is written through a link is saved where the link leads, as it is read.
         let reserved = self.output.as_ref().map(Output::path);
@@ -448,12 +299,12 @@ impl Job<'_> {
         warn(Vec::from_iter(unsaved.map(|error| {
             format!("the bake could not be saved for --resume: {error}")
         })));
-        let table = match table.map_err(Failure::from) {
+        let table = match table {
             // The other ranks wait for this one, so all of them are stopped.
             Err(failure) if ranks.count() > 1 => {
-                failure.print();
+                fail(&failure);
                 ranks.abort(failure.code());
-                return Err(Failure::Elsewhere);
+                return Err(Error::Elsewhere);
             }
             table => table?,
         };
@@ -479,11 +330,11 @@ impl Job<'_> {
 /// Returns what this rank has prepared, if all ranks have succeeded.
 ///
 /// # Errors
-/// Returns the rank's own failure in the lowest rank that failed, and [`Failure::Elsewhere`] in all
+/// Returns the rank's own failure in the lowest rank that failed, and [`Error::Elsewhere`] in all
 /// others, so that the failure is printed once.
-fn agreed<T>(ready: Result<T, Failure>, ranks: &dyn Ranks) -> Result<T, Failure> {
+fn agreed<T>(ready: Result<T, Error>, ranks: &dyn Ranks) -> Result<T, Error> {
     match ranks.first_of(ready.is_err()) {
-        Some(first) if first != ranks.number() => Err(Failure::Elsewhere),
+        Some(first) if first != ranks.number() => Err(Error::Elsewhere),
         _ => ready,
     }
 }
@@ -493,8 +344,8 @@ fn agreed<T>(ready: Result<T, Failure>, ranks: &dyn Ranks) -> Result<T, Failure>
 /// A machine may hold another mesh under the same name, or another version of the program.
 ///
 /// # Errors
-/// Returns [`Failure::OtherBake`] if version, plan, axes or provenance differ from those of rank 0.
-fn same_everywhere(bake: &Bake, ranks: &dyn Ranks) -> Result<(), Failure> {
+/// Returns an [`Error`] if version, plan, axes or provenance differ from those of rank 0.
+fn same_everywhere(bake: &Bake, ranks: &dyn Ranks) -> Result<(), Error> {
     let plan = Plan {
         threads: None,
         ..bake.plan.clone()
@@ -509,17 +360,19 @@ fn same_everywhere(bake: &Bake, ranks: &dyn Ranks) -> Result<(), Failure> {
     let mut first = [hasher.finish()];
     ranks.follow(&mut first);
     if first == [hasher.finish()] {
-        Ok(())
-    } else {
-        let rank = ranks.number();
-        Err(Failure::OtherBake { rank })
+        return Ok(());
     }
+    let rank = ranks.number();
+    Err(Error::Failed(format!(
+        "rank {rank} has another mesh, other options or another version of bake than rank 0; give \
+        all ranks the same"
+    )))
 }
 
 /// Reads what an interrupted bake of the same table has saved, if `resume` asks for it.
 ///
 /// Without `resume`, warns that a saved bake is there and returns `None`.
-fn saved_before(saved: &SavedFile, resume: bool) -> Result<Option<Table>, Failure> {
+fn saved_before(saved: &SavedFile, resume: bool) -> Result<Option<Table>, Error> {
     if resume {
         return Ok(saved.read()?);
     }
@@ -538,8 +391,8 @@ fn saved_before(saved: &SavedFile, resume: bool) -> Result<Option<Table>, Failur
 /// The report names the method in any case.
 fn method_warning(args: &TraceArgs, prepared: &Prepared, plan: &Plan) -> Vec<String> {
     let refusal = plan.exact_cell(prepared).err();
-    let asks_for_rays = args.rays.is_some() || args.tolerance.is_some();
-    match (args.method, refusal) {
+    let asks_for_rays = args.request.rays.is_some() || args.request.tolerance.is_some();
+    match (args.request.method, refusal) {
         (Method::Auto, Some(reason)) => vec![format!("--method auto traces rays: {reason}")],
         (Method::Auto | Method::Exact, None)
             if plan.scene.deviations != Record::Auto && !plan.is_azimuth_mean() =>

@@ -3,11 +3,10 @@
 
 use crate::cell::Prepared;
 use crate::cli::cell::CellArgs;
-use crate::cli::failure::Failure;
 use crate::cli::report::comparison_text;
+use crate::error::Error;
 use crate::run::{
-    Claims, Comparison, RetraceError, Unchecked, Watch, claims, consistent, error_between, rebake,
-    retrace,
+    Claims, Comparison, Unchecked, Watch, claims, consistent, error_between, rebake, retrace,
 };
 use clap::Args;
 use meshes::Cell;
@@ -72,11 +71,12 @@ struct Judged {
 }
 
 /// Runs `bake verify`.
-pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &VerifyArgs) -> Result<(), Error> {
     let tables::apart::Reading { table, lacking } = tables::apart::read(&args.table)?;
-    consistent(&table).map_err(|source| Failure::Forged {
-        file: args.table.clone(),
-        source,
+    let name = args.table.display();
+    consistent(&table).map_err(|forged| {
+        let remedy = "somebody changed the table after the bake, bake it again";
+        Error::Failed(format!("{name}: {forged}; {remedy}"))
     })?;
     known(&table, &args.table)?;
     let sealed = tables::is_sealed(&args.table)?;
@@ -110,28 +110,27 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let Some(judged) = judged else {
         return Ok(());
     };
-    let (table, mesh) = (args.table.clone(), args.mesh.clone().unwrap_or_default());
-    if let Some(source) = judged.claims.wrong.into_iter().next() {
-        return Err(Failure::Contradicted {
-            table,
-            mesh,
-            source,
-        });
-    }
-    if !judged.rays.agrees() {
-        return Err(Failure::Retraced { table, mesh });
-    }
-    if judged.baked.is_some_and(|baked| !baked.agrees()) {
-        return Err(Failure::Rebaked { table, mesh });
-    }
-    match (judged.between, judged.stated) {
-        (Some(found), Some(stated)) if found > stated => Err(Failure::Between {
-            table,
-            found,
-            stated,
-        }),
-        _ => Ok(()),
-    }
+    let mesh = args.mesh.clone().unwrap_or_default();
+    let mesh = mesh.display();
+    let fault = match (judged.between, judged.stated) {
+        _ if let Some(wrong) = judged.claims.wrong.first() => {
+            format!("{name} does not agree with {mesh}: {wrong}")
+        }
+        _ if !judged.rays.agrees() => format!(
+            "{name} does not agree with the rays through {mesh}: they differ by more than both \
+            errors"
+        ),
+        _ if judged.baked.is_some_and(|baked| !baked.agrees()) => format!(
+            "{name} does not agree with the exact bake of {mesh} made again: they differ by more \
+            than counting and rounding explain"
+        ),
+        (Some(found), Some(stated)) if found > stated => format!(
+            "{name}: its direction_tolerance is {stated}, but between its directions it is off by \
+            {found:.2e}"
+        ),
+        _ => return Ok(()),
+    };
+    Err(Error::Failed(format!("{fault}; bake the table again")))
 }
 
 /// Returns what was not checked.
@@ -174,8 +173,8 @@ fn json(table: &Table, judged: Option<&Judged>, sealed: bool, lacking: &[Protect
 /// Checks that this version knows all words of a table.
 ///
 /// # Errors
-/// Returns [`Failure::Unknown`] for the first word that a later version wrote, or nobody.
-fn known(table: &Table, file: &Path) -> Result<(), Failure> {
+/// Returns an [`Error`] for the first word that a later version wrote, or nobody.
+fn known(table: &Table, file: &Path) -> Result<(), Error> {
     let from = &table.provenance;
     let sampler = from.sampler.as_ref();
     let words = [
@@ -194,11 +193,11 @@ fn known(table: &Table, file: &Path) -> Result<(), Failure> {
         ),
     ];
     match words.into_iter().find(|(_, _, known)| !known) {
-        Some((attribute, word, _)) => Err(Failure::Unknown {
-            file: file.to_owned(),
-            attribute,
-            word: word.to_owned(),
-        }),
+        Some((attribute, word, _)) => Err(Error::Failed(format!(
+            "{}: its {attribute} \"{word}\" is not known to this version of bake; update bake, or \
+            bake the table again",
+            file.display()
+        ))),
         None => Ok(()),
     }
 }
@@ -259,9 +258,9 @@ fn note(lacking: &[Protection]) -> String {
 /// Edge length and azimuth 0 are those of the table, unless the options give others.
 ///
 /// # Errors
-/// Returns [`Failure::NoBake`] if no bake takes the options of the table, [`Failure::Symmetry`] if
-/// the mesh lacks the table's symmetry, and the failures of loading the mesh and of tracing.
-fn judged(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<Judged, Failure> {
+/// Returns an [`Error`] if no bake takes the options of the table, if the mesh lacks its symmetry,
+/// or if the mesh cannot be loaded or traced.
+fn judged(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<Judged, Error> {
     let from = &table.provenance;
     let scene = from.options.known().unwrap_or_default();
     let (cell, own) = loaded(table, mesh, &args.cell, &scene)?;
@@ -274,15 +273,8 @@ fn judged(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<Judged, Failu
         )]);
     }
     let failed = |error| match error {
-        RetraceError::Run(error) => error.into(),
-        RetraceError::Symmetry => Failure::Symmetry {
-            table: args.table.clone(),
-            mesh: mesh.to_owned(),
-        },
-        source => Failure::NoBake {
-            file: args.table.clone(),
-            source,
-        },
+        Error::Stated(_) => Error::Failed(format!("{}: {error}", args.table.display())),
+        error => error,
     };
     let prepared = Prepared::new(cell);
     let seed = args.seed.unwrap_or_else(drawn);
@@ -306,7 +298,7 @@ fn loaded(
     mesh: &Path,
     args: &CellArgs,
     scene: &SceneOptions,
-) -> Result<(Cell, Vec<Unchecked>), Failure> {
+) -> Result<(Cell, Vec<Unchecked>), Error> {
     let from = &table.provenance;
     let own = args.load(mesh, scene).ok();
     let own = match own {

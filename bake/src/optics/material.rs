@@ -11,66 +11,14 @@
 //! the model of silver: 2 % against 3 to 8 % from 450 nm on. Commercial mirrors are nearer to the
 //! model. A user who knows better gives N,K.
 
+use crate::error::Error;
 use num_complex::Complex64;
-use thiserror::Error;
 
 /// Largest refractive index that is accepted.
 const LARGEST: f64 = 10.0;
 
 /// Energy of a photon times its wavelength, eV nm.
 const EV_NM: f64 = 1_239.841_984;
-
-/// The reason why a text gives no refractive index.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum MaterialError {
-    /// The text is neither a number nor the name of a material nor a list of pairs.
-    #[error(
-        "--refractive-index {text}: give a number from 1 to 10, {} or nm:index pairs such as \
-        450:1.50,650:1.49",
-        names(GLASSES.iter().map(|glass| glass.name))
-    )]
-    Glass {
-        /// The text that was given.
-        text: String,
-    },
-    /// The text is neither the name of a metal nor two numbers.
-    #[error(
-        "--metal {text}: give {} or the complex refractive index N,K, such as 0.96,6.7",
-        names(METALS.iter().map(|metal| metal.name))
-    )]
-    Metal {
-        /// The text that was given.
-        text: String,
-    },
-    /// The index depends on the wavelength, and no wavelength was given.
-    #[error(
-        "{option} {text} depends on the wavelength; give the wavelength too, such as \
-        --wavelength-nm 550"
-    )]
-    NoWavelength {
-        /// The option.
-        option: &'static str,
-        /// The text that was given.
-        text: String,
-    },
-    /// The index is not known at the wavelength.
-    #[error(
-        "{option} {text} is known from {from} to {to} nm, not at --wavelength-nm {wavelength_nm}; \
-        give a number instead"
-    )]
-    Unknown {
-        /// The option.
-        option: &'static str,
-        /// The text that was given.
-        text: String,
-        /// Wavelength asked for, nm.
-        wavelength_nm: f64,
-        /// Shortest wavelength at which the index is known, nm.
-        from: f64,
-        /// Longest wavelength at which the index is known, nm.
-        to: f64,
-    },
-}
 
 /// Joins names by commas.
 fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
@@ -152,29 +100,24 @@ const METALS: [Metal; 2] = [
 ///
 /// # Errors
 ///
-/// Returns [`MaterialError::NoWavelength`] if no wavelength is given and [`MaterialError::Unknown`]
-/// if it lies outside the range.
+/// Returns [`Error::Usage`] if no wavelength is given, or if it lies outside the range.
 fn within(
     option: &'static str,
     text: &str,
     wavelength_nm: Option<f64>,
     (from, to): (f64, f64),
-) -> Result<f64, MaterialError> {
-    let text = || text.to_owned();
-    let wavelength_nm = wavelength_nm.ok_or_else(|| MaterialError::NoWavelength {
-        option,
-        text: text(),
-    })?;
-    if (from..=to).contains(&wavelength_nm) {
-        return Ok(wavelength_nm);
+) -> Result<f64, Error> {
+    match wavelength_nm {
+        Some(nm) if (from..=to).contains(&nm) => Ok(nm),
+        Some(nm) => Err(Error::Usage(format!(
+            "{option} {text} is known from {from} to {to} nm, not at --wavelength-nm {nm}; give a \
+            number instead"
+        ))),
+        None => Err(Error::Usage(format!(
+            "{option} {text} depends on the wavelength; give the wavelength too, such as \
+            --wavelength-nm 550"
+        ))),
     }
-    Err(MaterialError::Unknown {
-        option,
-        text: text(),
-        wavelength_nm,
-        from,
-        to,
-    })
 }
 
 fn finite(text: &str) -> Option<f64> {
@@ -188,11 +131,10 @@ fn finite(text: &str) -> Option<f64> {
 ///
 /// # Errors
 ///
-/// Returns [`MaterialError::Glass`] if `text` is none of these, if a pair does not have a
-/// wavelength above 0 and an index from 1 to 10, or if two pairs have the same wavelength. Returns
-/// [`MaterialError::NoWavelength`] if a name or pairs are given without a wavelength, and
-/// [`MaterialError::Unknown`] if the index is not known at the wavelength.
-pub fn refractive_index(text: &str, wavelength_nm: Option<f64>) -> Result<f64, MaterialError> {
+/// Returns [`Error::Usage`] if `text` is none of these, if a pair does not have a wavelength above 0
+/// and an index from 1 to 10, if two pairs have the same wavelength, if a name or pairs are given
+/// without a wavelength, or if the index is not known at the wavelength.
+pub fn refractive_index(text: &str, wavelength_nm: Option<f64>) -> Result<f64, Error> {
     let option = "--refractive-index";
     if let Some(index) = finite(text) {
         return Ok(index);
@@ -207,7 +149,13 @@ pub fn refractive_index(text: &str, wavelength_nm: Option<f64>) -> Result<f64, M
         let terms = glass.terms.iter().map(|(b, c)| b * squared / (squared - c));
         return Ok((1.0 + terms.sum::<f64>()).sqrt());
     }
-    let wrong = || MaterialError::Glass { text: text.into() };
+    let wrong = || {
+        let names = names(GLASSES.iter().map(|glass| glass.name));
+        Error::Usage(format!(
+            "--refractive-index {text}: give a number from 1 to 10, {names} or nm:index pairs such \
+            as 450:1.50,650:1.49"
+        ))
+    };
     let pair = |part: &str| {
         let (nm, index) = part.split_once(':')?;
         let (nm, index) = (finite(nm)?, finite(index)?);
@@ -236,18 +184,20 @@ pub fn refractive_index(text: &str, wavelength_nm: Option<f64>) -> Result<f64, M
 ///
 /// # Errors
 ///
-/// Returns [`MaterialError::Metal`] if `text` is neither a known name nor two numbers with N above
-/// 0 and K at least 0, both at most 1000. Returns [`MaterialError::NoWavelength`] if a name is
-/// given without a wavelength, and [`MaterialError::Unknown`] if the index is not known at the
-/// wavelength.
-pub fn metal(text: &str, wavelength_nm: Option<f64>) -> Result<Complex64, MaterialError> {
+/// Returns [`Error::Usage`] if `text` is neither a known name nor two numbers with N above 0 and K at
+/// least 0, both at most 1000, if a name is given without a wavelength, or if the index is not known
+/// at the wavelength.
+pub fn metal(text: &str, wavelength_nm: Option<f64>) -> Result<Complex64, Error> {
     let Some(metal) = METALS.iter().find(|metal| metal.name == text.trim()) else {
         let numbers: Option<Vec<f64>> = text.split(',').map(finite).collect();
         return match numbers.as_deref() {
             Some(&[n, k]) if n > 0.0 && k >= 0.0 && n <= 1e3 && k <= 1e3 => {
                 Ok(Complex64::new(n, k))
             }
-            _ => Err(MaterialError::Metal { text: text.into() }),
+            _ => Err(Error::Usage(format!(
+                "--metal {text}: give {} or the complex refractive index N,K, such as 0.96,6.7",
+                names(METALS.iter().map(|metal| metal.name))
+            ))),
         };
     };
     let energy = EV_NM / within("--metal", text, wavelength_nm, metal.range)?;
@@ -322,8 +272,11 @@ mod tests {
             assert!((index(pairs, nm) - expected).abs() < 1e-15);
         }
         assert_eq!(index("500:1.5", 500.0), 1.5);
-        assert_eq!(refractive_index("1.49", None), Ok(1.49));
-        assert_eq!(metal("0.96,6.7", None), Ok(Complex64::new(0.96, 6.7)));
+        assert_eq!(refractive_index("1.49", None).ok(), Some(1.49));
+        assert_eq!(
+            metal("0.96,6.7", None).ok(),
+            Some(Complex64::new(0.96, 6.7))
+        );
     }
 
     #[test]

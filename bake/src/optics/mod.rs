@@ -17,7 +17,7 @@ mod rules;
 pub(crate) mod triangle;
 
 pub(crate) use light::{Backing, Light};
-pub use material::{MaterialError, metal, refractive_index};
+pub use material::{metal, refractive_index};
 #[cfg(test)]
 pub(crate) use mirror::deviation;
 pub(crate) use mirror::{mirrored, reflect, reflection, refract};

@@ -5,8 +5,8 @@
 
 use crate::cell::Prepared;
 use crate::optics::reach_rad;
+use crate::plan::losses::no_planes;
 use crate::plan::plan::Plan;
-use crate::plan::scene::no_planes;
 use glam::DVec3;
 use tables::deviation::Grid;
 use tables::options::{Element, Front, Record, SceneOptions};

@@ -1,27 +1,23 @@
 //! Reading of directions as a user types them.
 
+use crate::error::Error;
 use crate::plan::default;
-use crate::plan::error::PlanError;
-use crate::plan::number::positive;
+use crate::plan::number::{number, positive};
 use crate::plan::request::Request;
 use tables::Symmetry;
-use tables::cli::{ListError, list};
+use tables::cli::list;
 use tables::options::Method;
 
 /// Reads a list of angles such as `0,15,30` or `0:45:5`, degrees.
 ///
 /// The result is ascending and has no angle twice.
-pub(crate) fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanError> {
-    let mut angles = list(text).map_err(|error| match error {
-        ListError::Number(part) => PlanError::Angle {
-            option,
-            text: text.into(),
-            part,
-        },
-        ListError::Parts | ListError::Range => PlanError::Steps {
-            option,
-            text: text.into(),
-        },
+pub(crate) fn angles(option: &str, text: &str) -> Result<Vec<f64>, Error> {
+    let mut angles = list(text).map_err(|reason| {
+        let or = match option {
+            "--azimuth" => ", full or mean",
+            _ => "",
+        };
+        Error::Usage(format!("{option} {text}, degrees: {reason}{or}"))
     })?;
     angles.sort_by(f64::total_cmp);
     angles.dedup();
@@ -30,25 +26,17 @@ pub(crate) fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanE
 }
 
 /// Returns the step of `full` or `full:STEP`, degrees, or `None` if not all azimuths are asked for.
-pub(crate) fn full_step(text: &str) -> Result<Option<f64>, PlanError> {
-    let wrong = |value: f64| match value.is_nan() {
-        true => PlanError::Angle {
-            option: "--azimuth",
-            text: text.into(),
-            part: text.trim().trim_start_matches("full:").into(),
-        },
-        false => PlanError::Number {
-            option: "--azimuth full",
-            value,
-            range: "from 0.01 to 90, the widest step between azimuths, as in full:2",
-        },
-    };
+pub(crate) fn full_step(text: &str) -> Result<Option<f64>, Error> {
     match text.trim().split_once(':') {
         None if text.trim() == "full" => Ok(Some(default::FULL_STEP_DEG)),
         Some(("full", step)) => {
-            let step = step.trim().parse().unwrap_or(f64::NAN);
-            let allowed = (0.01..=90.0).contains(&step);
-            allowed.then_some(Some(step)).ok_or_else(|| wrong(step))
+            let range = "from 0.01 to 90, the widest step between azimuths, as in full:2";
+            let step = step.trim().parse().map_err(|_| {
+                let fault = format!("\"{step}\" is not a number; give one {range}");
+                Error::Usage(format!("--azimuth {text}: {fault}"))
+            })?;
+            number("--azimuth full", step, (0.01..=90.0).contains(&step), range)?;
+            Ok(Some(step))
         }
         _ => Ok(None),
     }
@@ -74,24 +62,17 @@ pub(crate) fn sector(symmetry: Symmetry, step: f64) -> Vec<f64> {
 /// given.
 ///
 /// The option is for exact tables of single azimuths only.
-pub(crate) fn direction_tolerance(request: &Request) -> Result<Option<f64>, PlanError> {
+pub(crate) fn direction_tolerance(request: &Request) -> Result<Option<f64>, Error> {
     let option = "--direction-tolerance";
     let Some(tolerance) = request.direction_tolerance else {
         return Ok(None);
     };
-    positive(
-        option,
-        tolerance,
-        1.0,
-        "above 0 and at most 1, a total variation",
-    )?;
+    let range = "above 0 and at most 1, a total variation";
+    positive(option, tolerance, 1.0, range)?;
     let other = match (request.method, request.azimuth.trim()) {
         (Method::Rays, _) => "--method rays",
         (_, "mean") => "--azimuth mean",
         _ => return Ok(Some(tolerance)),
     };
-    Err(PlanError::Both {
-        first: option,
-        second: other,
-    })
+    Err(Error::both(option, other))
 }

@@ -1,9 +1,9 @@
 //! Number of rays, threads and shards of a bake.
 
+use crate::error::Error;
 use crate::plan::default;
-use crate::plan::error::PlanError;
-use crate::plan::limits::RAYS_PER_RANDOMISATION;
-use crate::plan::number::count;
+use crate::plan::number::RAYS_PER_RANDOMISATION;
+use crate::plan::number::{count, number};
 use crate::plan::request::Request;
 use std::num::NonZeroUsize;
 use tables::MOST_SHARDS;
@@ -32,8 +32,7 @@ pub(crate) const MOST_THREADS: usize = 4096;
 
 impl Effort {
     /// Reads the amount of work from `--rays` and `--tolerance`.
-    pub(crate) fn of(request: &Request) -> Result<Self, PlanError> {
-        let both = |first, second| Err(PlanError::Both { first, second });
+    pub(crate) fn of(request: &Request) -> Result<Self, Error> {
         let Some(tolerance) = request.tolerance else {
             let most = match request.sampler {
                 Sampler::Sobol => RAYS_PER_RANDOMISATION * default::RANDOMISATIONS,
@@ -44,22 +43,22 @@ impl Effort {
             return Ok(Effort::Rays(rays));
         };
         if request.rays.is_some() {
-            return both("--rays", "--tolerance");
+            return Err(Error::both("--rays", "--tolerance"));
         }
         if request.shard.is_some() {
-            return both("--tolerance", "--shard");
+            return Err(Error::both("--tolerance", "--shard"));
         }
         if request.sampler == Sampler::Random {
-            return Err(PlanError::ToleranceSampler);
+            return Err(Error::Usage(
+                "--tolerance needs --sampler sobol, whose error is estimated from independent \
+                randomisations; leave out --sampler random, or give --rays"
+                    .into(),
+            ));
         }
         // A hundred million rays reach some 1e-6 where they meet all bins; below, no bake ends.
-        if !(1e-7..=2.0).contains(&tolerance) {
-            return Err(PlanError::Number {
-                option: "--tolerance",
-                value: tolerance,
-                range: "from 1e-7 to 2, the greatest L1 distance",
-            });
-        }
+        let allowed = (1e-7..=2.0).contains(&tolerance);
+        let range = "from 1e-7 to 2, the greatest L1 distance";
+        number("--tolerance", tolerance, allowed, range)?;
         Ok(Effort::Tolerance(tolerance))
     }
 
@@ -74,26 +73,24 @@ impl Effort {
 }
 
 /// Reads the number of threads from `--threads`; `None` stands for all processors.
-pub(crate) fn threads(request: &Request) -> Result<Option<NonZeroUsize>, PlanError> {
-    let checked = |threads: usize| {
-        let wrong = PlanError::Count {
-            option: "--threads",
-            value: threads as u64,
-            most: MOST_THREADS as u64,
-        };
-        NonZeroUsize::new(threads)
-            .filter(|threads| threads.get() <= MOST_THREADS)
-            .ok_or(wrong)
+pub(crate) fn threads(request: &Request) -> Result<Option<NonZeroUsize>, Error> {
+    let Some(threads) = request.threads else {
+        return Ok(None);
     };
-    request.threads.map(checked).transpose()
+    count("--threads", threads as u64, MOST_THREADS as u64)?;
+    Ok(NonZeroUsize::new(threads))
 }
 
 /// Reads a part such as `2/8` from `--shard`; `None` stands for the whole bake, as does `1/1`.
-pub(crate) fn shard(request: &Request) -> Result<Option<Shard>, PlanError> {
+pub(crate) fn shard(request: &Request) -> Result<Option<Shard>, Error> {
     let Some(text) = request.shard.as_deref() else {
         return Ok(None);
     };
-    let wrong = || PlanError::Shard { text: text.into() };
+    let wrong = || {
+        Error::Usage(format!(
+            "--shard {text}: give K/N, share K of N, such as 2/8, with N at most {MOST_SHARDS}"
+        ))
+    };
     let number = |part: &str| part.trim().parse::<u32>().map_err(|_| wrong());
     let (k, n) = text.split_once('/').ok_or_else(wrong)?;
     let (k, n) = (number(k)?, number(n)?);

@@ -1,7 +1,7 @@
 //! The request for a bake: the options as typed, checked, with every default.
 //!
 //! A [`request::Request`] enters. Either a [`plan::Plan`] leaves, in which nothing is out of range,
-//! or a [`error::PlanError`] that names the option and the remedy. Nothing changes a plan after
+//! or a [`crate::Error`] that names the option and the remedy. Nothing changes a plan after
 //! that. This room may touch `cell` and the rooms below it, because some answers of a plan, such as
 //! its warnings, depend on the cell.
 
@@ -9,19 +9,15 @@ pub(crate) mod default;
 mod deviations;
 mod directions;
 mod effort;
-mod error;
-mod glass;
-mod limits;
+pub(crate) mod heading;
 mod losses;
 mod number;
 mod plan;
 pub(crate) mod request;
-mod scene;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use effort::{Effort, MOST_THREADS, Shard};
-pub use error::PlanError;
-pub(crate) use limits::{BINS_LIMIT, MOST_BYTES, RAYS_PER_RANDOMISATION};
+pub(crate) use effort::{Effort, Shard};
+pub(crate) use number::{MOST_BYTES, RAYS_PER_RANDOMISATION};
 pub use plan::Plan;
 pub use request::Request;

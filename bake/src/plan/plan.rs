@@ -1,17 +1,15 @@
 //! The plan of a bake, made from the options as typed.
 
-use crate::cell::{ExactCell, ExactError, Prepared, Whole};
+use crate::cell::{ExactCell, NO_PLANES, Prepared, Whole};
+use crate::error::Error;
 use crate::optics::{Backing, Rules, roughness};
 use crate::plan::directions::{angles, direction_tolerance, full_step, sector};
 use crate::plan::effort;
 use crate::plan::effort::{Effort, Shard};
-use crate::plan::error::PlanError;
-use crate::plan::glass;
-use crate::plan::limits::{BINS_LIMIT, MOST_BYTES};
-use crate::plan::losses;
-use crate::plan::number::{count, positive};
+use crate::plan::losses::{self, no_planes};
+use crate::plan::number::{BINS_LIMIT, MOST_BYTES};
+use crate::plan::number::{count, number, positive};
 use crate::plan::request::Request;
-use crate::plan::scene::no_planes;
 use std::num::NonZeroUsize;
 use tables::options::{Back, Element, Front, Method, Sampler, SceneOptions};
 use tables::{Axes, MOST_DIRECTIONS, Symmetry};
@@ -60,18 +58,15 @@ impl Plan {
     /// Checks a request and makes the plan of it.
     ///
     /// # Errors
-    /// Returns [`PlanError`] for the first option that is out of range or cannot be read, or for
+    /// Returns [`Error::Usage`] for the first option that is out of range or cannot be read, or for
     /// two options that exclude each other.
-    pub fn new(request: &Request) -> Result<Self, PlanError> {
+    pub fn new(request: &Request) -> Result<Self, Error> {
         let (axes, full_step_deg) = asked(request)?;
         numbers(request)?;
         let losses = losses::surface(request)?;
-        glass::check(request)?;
+        losses::glass(request)?;
         if request.scene.front == Front::Trapped && request.scene.element == Element::Plate {
-            return Err(PlanError::Both {
-                first: "--front trapped",
-                second: "--element plate",
-            });
+            return Err(Error::both("--front trapped", "--element plate"));
         }
         let effort = Effort::of(request)?;
         let threads = effort::threads(request)?;
@@ -118,17 +113,17 @@ impl Plan {
     /// Returns the cell in the form that the exact method needs.
     ///
     /// # Errors
-    /// Returns [`ExactError`] if the exact method cannot bake the cell under these options.
-    pub(crate) fn exact_cell<'a>(
-        &self,
-        prepared: &'a Prepared,
-    ) -> Result<&'a ExactCell, ExactError> {
+    /// Returns why the exact method cannot bake the cell under these options.
+    pub(crate) fn exact_cell<'a>(&self, prepared: &'a Prepared) -> Result<&'a ExactCell, String> {
         match no_planes(&self.scene) {
-            Some(option) => Err(ExactError::NoPlanes { option }),
-            None if self.is_azimuth_mean() && self.deviations(prepared).is_some() => {
-                Err(ExactError::MeanDeviates)
-            }
-            None => prepared.exact().map_err(ExactError::clone),
+            Some(option) => Err(format!("{option} {NO_PLANES}")),
+            None if self.is_azimuth_mean() && self.deviations(prepared).is_some() => Err(
+                "the cell sends light off the exact way back, and an exact mean over azimuths \
+                cannot store where this light goes; give --method rays, or --deviations off to \
+                leave it out"
+                    .into(),
+            ),
+            None => prepared.exact().map_err(String::from),
         }
     }
 
@@ -234,7 +229,7 @@ impl Plan {
 }
 
 /// Reads directions and bins, and the step between azimuths if all azimuths are asked for.
-fn asked(request: &Request) -> Result<(Axes, Option<f64>), PlanError> {
+fn asked(request: &Request) -> Result<(Axes, Option<f64>), Error> {
     let incidence_deg = angles("--incidence", &request.incidence)?;
     within(
         "--incidence",
@@ -256,7 +251,10 @@ fn asked(request: &Request) -> Result<(Axes, Option<f64>), PlanError> {
     )?;
     let directions = incidence_deg.len() * azimuth_deg.len();
     if directions > MOST_DIRECTIONS {
-        return Err(PlanError::Directions { directions });
+        return Err(Error::Usage(format!(
+            "--incidence and --azimuth make {directions} directions; a table holds at most \
+            {MOST_DIRECTIONS}: give fewer angles"
+        )));
     }
     // Rays are counted in each of their randomisations. The exact method has the histogram alone.
     let copies = match request.method {
@@ -267,11 +265,11 @@ fn asked(request: &Request) -> Result<(Axes, Option<f64>), PlanError> {
         .iter()
         .fold(8_u64, |product, &n| product.saturating_mul(n as u64));
     if bytes > MOST_BYTES {
-        return Err(PlanError::Memory {
-            bins: request.bins,
-            directions,
-            bytes,
-        });
+        let bins = request.bins;
+        return Err(Error::Usage(format!(
+            "--bins {bins} in {directions} directions make arrays of {bytes} bytes; a table holds \
+            at most {MOST_BYTES}: give fewer bins or fewer angles"
+        )));
     }
     let axes = Axes {
         incidence_deg,
@@ -284,23 +282,21 @@ fn asked(request: &Request) -> Result<(Axes, Option<f64>), PlanError> {
 
 /// Checks that all `angles` are within the range that `range` states in words.
 fn within(
-    option: &'static str,
+    option: &str,
     angles: &[f64],
     is_within: impl Fn(f64) -> bool,
-    range: &'static str,
-) -> Result<(), PlanError> {
+    range: &str,
+) -> Result<(), Error> {
     match angles.iter().find(|&&angle| !is_within(angle)) {
-        Some(&value) => Err(PlanError::AngleRange {
-            option,
-            value,
-            range,
-        }),
+        Some(angle) => Err(Error::Usage(format!(
+            "{option} {angle}: the angle must be {range}"
+        ))),
         None => Ok(()),
     }
 }
 
 /// Checks the numbers that can be checked without other options.
-fn numbers(request: &Request) -> Result<(), PlanError> {
+fn numbers(request: &Request) -> Result<(), Error> {
     count("--bins", request.bins as u64, BINS_LIMIT as u64)?;
     let range = "above 0 and at most 1e5 edge lengths";
     positive("--range", request.range, 1e5, range)?;
@@ -309,13 +305,9 @@ fn numbers(request: &Request) -> Result<(), PlanError> {
     let range = "above 0 and at most 10 degrees";
     let tolerance_deg = request.angular_tolerance_deg;
     positive("--angular-tolerance", tolerance_deg, 10.0, range)?;
-    let index = request.refractive_index;
-    if let Some(value) = index.filter(|m| !(1.0..=10.0).contains(m)) {
-        return Err(PlanError::Number {
-            option: "--refractive-index",
-            value,
-            range: "from 1 to 10",
-        });
+    if let Some(index) = request.refractive_index {
+        let allowed = (1.0..=10.0).contains(&index);
+        number("--refractive-index", index, allowed, "from 1 to 10")?;
     }
     match request.wavelength_nm {
         Some(nm) => positive("--wavelength-nm", nm, 1e6, "above 0 and at most 1e6 nm"),

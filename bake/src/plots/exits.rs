@@ -1,8 +1,9 @@
 //! Pictures of the directions in which light leaves cells that are not ideal.
 
+use crate::error::Error;
 use crate::plots::choice::Choice;
 use crate::plots::content::{Bins, Content};
-use crate::plots::figure::{Figure, Panel, PlotError, draw};
+use crate::plots::figure::{Figure, Panel, draw};
 use glam::DVec2;
 use std::path::Path;
 use tables::Table;
@@ -19,10 +20,8 @@ const CELLS: usize = 41;
 /// launched ray.
 ///
 /// # Errors
-/// Returns [`PlotError::Straight`] if all light of the table goes straight back,
-/// [`PlotError::Format`] if the extension of `file` names no format, and [`PlotError::Draw`] if the
-/// plotting crate fails.
-pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
+/// Returns an [`Error`] if all light of the table goes straight back, and the errors of [`draw`].
+pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, Error> {
     let (_, azimuths) = table.axes.shape();
     let count = table.retroreflected.len();
     let spots: Vec<Vec<Spot>> = (0..count).map(|k| spots(table, k)).collect();
@@ -32,7 +31,12 @@ pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
         .map(f64::abs)
         .fold(0.0, f64::max);
     if furthest == 0.0 {
-        return Err(PlotError::Straight);
+        return Err(Error::Failed(
+            "--plot-deviations: nothing to plot, because the table records no light that leaves in \
+            another direction than straight back; either its cells are ideal, or it was baked with \
+            --deviations off"
+                .into(),
+        ));
     }
     let half = 1.1e3 * furthest;
     let cell = |tangent: f64| {

@@ -1,5 +1,6 @@
 //! Figures with one panel per direction, all with one scale of colours, and their formats.
 
+use crate::error::Error;
 use crate::plots::colours::{STEPS, Scale, colour};
 use crate::plots::content::{Content, Extent};
 use crate::plots::panel::{Axes, grid, name, nice, pen, tiles};
@@ -8,49 +9,25 @@ use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use tables::Table;
 use tables::cli::PlotFormat;
-use thiserror::Error;
-
-/// Reason why a picture cannot be made.
-#[derive(Debug, Error)]
-pub(crate) enum PlotError {
-    /// Extension of a file that names no format of plots.
-    #[error(transparent)]
-    Format(#[from] tables::cli::Error),
-    /// Table of which all light goes straight back, so that there is nothing to draw.
-    #[error(
-        "--plot-deviations: nothing to plot, because the table records no light that leaves in \
-        another direction than straight back; either its cells are ideal, or it was baked with \
-        --deviations off"
-    )]
-    Straight,
-    /// Failure of the plotting crate.
-    #[error("{}: the picture cannot be drawn ({reason}); try .svg instead", file.display())]
-    Draw {
-        /// Name of the picture.
-        file: PathBuf,
-        /// Message of the plotting crate.
-        reason: String,
-    },
-}
 
 /// Draws a scene as the bytes of `file`, whose extension names the format.
 ///
 /// # Errors
-/// Returns [`PlotError::Format`] if the extension names no format, and [`PlotError::Draw`] if the
-/// plotting crate fails.
-pub(crate) fn render(scene: &Scene, file: &Path) -> Result<Vec<u8>, PlotError> {
+/// Returns an [`Error`] if the extension names no format, or if the plotting crate fails.
+pub(crate) fn render(scene: &Scene, file: &Path) -> Result<Vec<u8>, Error> {
     match PlotFormat::of(file)? {
         // The text uses a font of the viewer, because an embedded font takes 3 MB.
         PlotFormat::Svg => Ok(SvgBackend::new().render_scene(scene).into_bytes()),
         PlotFormat::Png => PngBackend::new()
             .with_scale(1.5)
             .render_scene(scene)
-            .map_err(|reason| PlotError::Draw {
-                file: file.to_path_buf(),
-                reason,
+            .map_err(|reason| {
+                let file = file.display();
+                let fault = format!("the picture cannot be drawn ({reason})");
+                Error::Failed(format!("{file}: {fault}; try .svg instead"))
             }),
     }
 }
@@ -125,9 +102,8 @@ const BAR: f64 = 300.0;
 /// Draws a figure in the format that the extension of `file` names.
 ///
 /// # Errors
-/// Returns [`PlotError::Format`] if the extension names no format, and [`PlotError::Draw`] if the
-/// plotting crate fails.
-pub(crate) fn draw(figure: &Figure, file: &Path) -> Result<Vec<u8>, PlotError> {
+/// Returns an [`Error`] if the extension names no format, or if the plotting crate fails.
+pub(crate) fn draw(figure: &Figure, file: &Path) -> Result<Vec<u8>, Error> {
     PlotFormat::of(file)?;
     let panels = &figure.panels;
     let scale = Scale::of(

@@ -13,5 +13,5 @@ mod panel;
 mod shifts;
 
 pub(crate) use exits::exits;
-pub(crate) use figure::{PlotError, render};
+pub(crate) use figure::render;
 pub(crate) use shifts::shifts;

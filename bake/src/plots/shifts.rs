@@ -1,10 +1,11 @@
 //! Pictures of the ray shifts of a table: polygons if it is exact, bins otherwise.
 
+use crate::error::Error;
 use crate::geometry::polygon::area;
 use crate::plots::arrangement::{Piece, arrangement};
 use crate::plots::choice::Choice;
 use crate::plots::content::{Bins, Content};
-use crate::plots::figure::{Figure, Panel, PlotError, draw};
+use crate::plots::figure::{Figure, Panel, draw};
 use glam::DVec2;
 use std::path::Path;
 use tables::{Exact, Table};
@@ -27,9 +28,8 @@ const FLAT: f64 = 1e-3;
 /// extension of `file` names the format.
 ///
 /// # Errors
-/// Returns [`PlotError::Format`] if the extension of `file` names no format, and
-/// [`PlotError::Draw`] if the plotting crate fails.
-pub(crate) fn shifts(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
+/// Returns the errors of [`draw`].
+pub(crate) fn shifts(table: &Table, file: &Path) -> Result<Vec<u8>, Error> {
     let choice = Choice::of(table);
     let contents = choice.directions.iter().map(|&at| content(table, at));
     let contents: Vec<Content> = contents.collect();

@@ -14,11 +14,11 @@
 )]
 
 use crate::rays::bins::Bins;
+use crate::rays::drawn::order;
 use crate::rays::drawn::{chances, digits, points, sobol};
 use crate::rays::excerpt::Excerpt;
 use crate::rays::exits::{Exits, Record};
 use crate::rays::lane::{LANES, Mask, Reals, choose};
-use crate::rays::order::order;
 use crate::rays::program::{DEPTH, End, Loss, Program, Step};
 use crate::rays::region::Affine;
 use crate::rays::scratch::{Scratch, scatter};

@@ -20,7 +20,6 @@ mod kernel;
 mod lane;
 pub(crate) mod lanes;
 mod nearest;
-mod order;
 mod path;
 mod program;
 mod region;

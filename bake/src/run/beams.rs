@@ -2,9 +2,9 @@
 
 use crate::beams::exact;
 use crate::cell::{ExactCell, MEAN_ERROR};
+use crate::error::Error;
 use crate::plan::{Effort, Plan};
 use crate::run::bake::Bake;
-use crate::run::error::RunError;
 use crate::run::watch::Watch;
 use tables::cli::pool;
 use tables::options::{Method, Record, SceneOptions};
@@ -16,9 +16,8 @@ impl Bake<'_> {
     /// Options for rays (number, tolerance, sampler, seed) have no effect on the table.
     ///
     /// # Errors
-    /// Returns [`RunError::Threads`] if the threads cannot be started, and [`RunError::Stopped`] if
-    /// `watch` stopped the bake.
-    pub(crate) fn beams(&self, exact: &ExactCell, watch: Watch<'_>) -> Result<Table, RunError> {
+    /// Returns an [`Error`] if the threads cannot be started, or if `watch` stopped the bake.
+    pub(crate) fn beams(&self, exact: &ExactCell, watch: Watch<'_>) -> Result<Table, Error> {
         let rays_saved = match self.plan.effort {
             Effort::Rays(rays) => rays,
             Effort::Tolerance(_) => 0,
@@ -29,7 +28,7 @@ impl Bake<'_> {
         };
         let baked =
             pool(self.plan.threads)?.install(|| exact::bake(exact, &self.axes, &self.rules, done));
-        let baked = baked.ok_or(RunError::Stopped)?;
+        let baked = baked.ok_or(Error::Stopped)?;
         let provenance = without_rays(self.plan, self.provenance(Method::Exact, None));
         Ok(baked.table(self.axes.clone(), provenance))
     }

@@ -8,21 +8,21 @@
 use std::fmt;
 
 use crate::cell::Prepared;
+use crate::error::Error;
 use crate::plan::Plan;
 use crate::run::beams::without_rays;
 use crate::run::provenance::provenance;
-use crate::run::retrace::{RetraceError, again, is_blind_to_the_back};
+use crate::run::retrace::{again, is_blind_to_the_back};
 use crate::run::watch::Watch;
 use tables::options::{Losses, Method};
 use tables::{Provenance, Table};
-use thiserror::Error;
 
 /// Largest relative difference of lengths that count as equal: that of a mesh that was written with
 /// nine digits.
 const SAME_LENGTH: f64 = 1e-9;
 
 /// Statement of a table that its mesh contradicts.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("its {attribute} is {stated}, and the bake of the mesh says {found}")]
 pub struct Contradiction {
     /// Name of the attribute or the group.
@@ -106,7 +106,7 @@ pub fn claims(
     rays: u64,
     seed: u64,
     watch: Watch<'_>,
-) -> Result<Claims, RetraceError> {
+) -> Result<Claims, Error> {
     let from = &table.provenance;
     let plan = again(table, prepared, rays, seed)?;
     let exact = from.method.is(Method::Exact);

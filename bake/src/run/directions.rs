@@ -10,10 +10,10 @@
 //! corner, and far apart elsewhere. Nothing is proved of directions that were not tried.
 
 use crate::cell::ExactCell;
+use crate::error::Error;
 use crate::plan::default;
 use crate::run::bake::Bake;
 use crate::run::between::Between;
-use crate::run::error::RunError;
 use crate::run::trial::{self, OPEN};
 use crate::run::watch::Watch;
 use crate::samples::Stream;
@@ -40,15 +40,14 @@ const MOST_DIRECTIONS: usize = 1000;
 /// The exact method serves as the truth.
 ///
 /// # Errors
-/// Returns [`RunError::DirectionTolerance`] if the greatest number of directions is too few, for
-/// example because the distribution jumps, [`RunError::Threads`] if the threads cannot be started,
-/// and [`RunError::Stopped`] if `watch` stopped the search.
+/// Returns an [`Error`] if the greatest number of directions is too few, for example because the
+/// distribution jumps, if the threads cannot be started, or if `watch` stopped the search.
 pub(crate) fn choose(
     bake: &Bake,
     exact: &ExactCell,
     tolerance: f64,
     watch: Watch<'_>,
-) -> Result<(Axes, Option<Between>), RunError> {
+) -> Result<(Axes, Option<Between>), Error> {
     let mut search = Search::new(bake, exact, tolerance);
     let largest = pool(bake.plan.threads)?.install(|| search.refine(watch))?;
     Ok((search.axes(bake.axes.bins), largest))
@@ -124,10 +123,10 @@ impl<'a> Search<'a> {
 
     /// Halves gaps until all directions that are tried are within the aim. Returns the largest
     /// error of the last trials, or `None` if there is one direction only.
-    fn refine(&mut self, watch: Watch<'_>) -> Result<Option<Between>, RunError> {
+    fn refine(&mut self, watch: Watch<'_>) -> Result<Option<Between>, Error> {
         loop {
             if watch.is_stopped() {
-                return Err(RunError::Stopped);
+                return Err(Error::Stopped);
             }
             // Only polygons are interpolated, so one bin is enough for the table.
             let bake = Bake {
@@ -224,7 +223,7 @@ impl<'a> Search<'a> {
     ///
     /// It takes only gaps with more than half the worst error at a time, because halving one gap
     /// may help many others.
-    fn halve(&mut self, found: &[(f64, Probe)]) -> Result<(), RunError> {
+    fn halve(&mut self, found: &[(f64, Probe)]) -> Result<(), Error> {
         let azimuths = self.azimuth_ends();
         let mut errors = [
             vec![0.0_f64; self.incidences.len() - 1],
@@ -271,13 +270,21 @@ impl<'a> Search<'a> {
         if let Some((reached, probe)) = worst
             && self.incidences.len() * self.azimuths.len() > MOST_DIRECTIONS
         {
-            return Err(RunError::DirectionTolerance {
-                incidence_deg: probe.incidence_deg,
-                azimuth_deg: probe.azimuth_deg,
-                reached: (*reached < OPEN).then_some(*reached),
-                aim: self.aim,
-                directions: MOST_DIRECTIONS,
-            });
+            let still = match *reached < OPEN {
+                true => format!(
+                    "the error is still {reached:.3e}, above the {:.3e} that the search aims at \
+                    because it tries only some of all directions,",
+                    self.aim
+                ),
+                false => "the polygons can still not be interpolated".into(),
+            };
+            return Err(Error::Failed(format!(
+                "--direction-tolerance: with {MOST_DIRECTIONS} directions {still} at incidence {} \
+                deg, azimuth {} deg; ray shifts may jump there, for example because total \
+                reflection ends or slits of a plate change places; leave out such angles, or give \
+                a greater tolerance",
+                probe.incidence_deg, probe.azimuth_deg
+            )));
         }
         self.insert(errors.map(|axis| axis.iter().map(|&error| error > least).collect()));
         Ok(())

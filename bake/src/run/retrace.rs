@@ -2,11 +2,11 @@
 //! exact method can bake them.
 
 use crate::cell::Prepared;
+use crate::error::Error;
 use crate::optics::Backing;
-use crate::plan::{Plan, PlanError, Request};
+use crate::plan::{Plan, Request};
 use crate::run::bake::Bake;
 use crate::run::comparison::Comparison;
-use crate::run::error::RunError;
 use crate::run::provenance::{Stated, stated};
 use crate::run::trace::trace;
 use crate::run::trial;
@@ -15,7 +15,6 @@ use crate::samples::{Stream, centred};
 use rayon::prelude::*;
 use tables::options::{Back, Losses, Method, Sampler};
 use tables::{Symmetry, Table};
-use thiserror::Error;
 
 /// Numbers of incidences and of azimuths that are traced again where the exact bake looks at all.
 const PART: [usize; 2] = [4, 2];
@@ -30,26 +29,6 @@ const FEWEST: u64 = 1 << 16;
 /// Number of random directions in which a tolerance between directions is tried.
 const TRIED: u64 = 500;
 
-/// Reason why a table cannot be checked against a mesh.
-#[derive(Debug, Error)]
-pub enum RetraceError {
-    /// Table that was baked with options of a later version.
-    #[error(
-        "the table was baked with options that this version of bake does not know; install a \
-        newer version"
-    )]
-    Unknown,
-    /// Table that states options which no bake takes.
-    #[error("the table states what no bake takes: {0}; bake it again")]
-    NoBake(#[from] PlanError),
-    /// Table with a symmetry that the mesh does not have.
-    #[error("the table claims a symmetry that the mesh does not have; bake it again")]
-    Symmetry,
-    /// Failure while the rays were traced.
-    #[error(transparent)]
-    Run(#[from] RunError),
-}
-
 /// Checks a table against its mesh by rays, and returns the comparison.
 ///
 /// Where the exact method can bake the cell, so that [`rebake`] looks at all directions, `seed`
@@ -59,17 +38,16 @@ pub enum RetraceError {
 /// baked by, so their counting error is known.
 ///
 /// # Errors
-/// Returns [`RetraceError::Unknown`] if the table was baked with options that this version does not
-/// know, [`RetraceError::NoBake`] if no bake takes them, [`RetraceError::Symmetry`] if the table
-/// has a symmetry that the mesh does not have, and [`RetraceError::Run`] if the rays cannot be
-/// traced or `watch` stopped them.
+/// Returns [`Error::Stated`] if the table was baked with options that this version does not know, if
+/// no bake takes them, or if the mesh lacks its symmetry; other errors if the rays cannot be traced
+/// or `watch` stopped them.
 pub fn retrace(
     table: &Table,
     prepared: &Prepared,
     rays: u64,
     seed: u64,
     watch: Watch<'_>,
-) -> Result<Comparison, RetraceError> {
+) -> Result<Comparison, Error> {
     let (incidences, azimuths) = table.axes.shape();
     let plan = again(table, prepared, rays, seed)?;
     if is_exact(&plan, prepared) {
@@ -97,7 +75,7 @@ pub fn rebake(
     table: &Table,
     prepared: &Prepared,
     watch: Watch<'_>,
-) -> Result<Option<Comparison>, RetraceError> {
+) -> Result<Option<Comparison>, Error> {
     let plan = again(table, prepared, 1, 0)?;
     if !is_exact(&plan, prepared) {
         return Ok(None);
@@ -114,11 +92,7 @@ pub fn rebake(
 ///
 /// # Errors
 /// Returns the errors of [`retrace`].
-pub fn error_between(
-    table: &Table,
-    prepared: &Prepared,
-    seed: u64,
-) -> Result<Option<f64>, RetraceError> {
+pub fn error_between(table: &Table, prepared: &Prepared, seed: u64) -> Result<Option<f64>, Error> {
     if table.provenance.direction_tolerance.is_none() {
         return Ok(None);
     }
@@ -179,7 +153,7 @@ pub(crate) fn is_blind_to_the_back(
     rays: u64,
     seed: u64,
     watch: Watch<'_>,
-) -> Result<bool, RetraceError> {
+) -> Result<bool, Error> {
     let plan = again(table, prepared, rays, seed)?;
     if plan.losses.is_some() || plan.scene.glass_index.is_some() {
         return Ok(false);
@@ -216,15 +190,25 @@ pub(crate) fn again(
     prepared: &Prepared,
     rays: u64,
     seed: u64,
-) -> Result<Plan, RetraceError> {
+) -> Result<Plan, Error> {
     let from = &table.provenance;
     let Stated {
         back,
         losses,
         scene,
-    } = stated(from).ok_or(RetraceError::Unknown)?;
+    } = stated(from).ok_or_else(|| {
+        Error::Stated(
+            "was baked with options that this version of bake does not know; install a newer \
+            version"
+                .into(),
+        )
+    })?;
     if from.symmetry != Symmetry::NONE && from.symmetry != prepared.symmetry() {
-        return Err(RetraceError::Symmetry);
+        return Err(Error::Stated(
+            "claims a symmetry that the mesh does not have, so it is wrong at the azimuths that \
+            it leaves out; bake it again"
+                .into(),
+        ));
     }
     let request = Request {
         refractive_index: Some(from.refractive_index),
@@ -249,9 +233,12 @@ pub(crate) fn again(
         scene,
         ..Request::default()
     };
+    let plan = Plan::new(&request).map_err(|error| {
+        Error::Stated(format!("states what no bake takes: {error}; bake it again"))
+    })?;
     Ok(Plan {
         axes: table.axes.clone(),
-        ..Plan::new(&request)?
+        ..plan
     })
 }
 

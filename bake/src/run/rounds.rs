@@ -2,9 +2,9 @@
 //!
 //! They are steps between two saves, and rounds towards a tolerance.
 
+use crate::error::Error;
 use crate::plan::{RAYS_PER_RANDOMISATION, Shard};
 use crate::rays::{Kernel, Sums, lanes};
-use crate::run::error::RunError;
 use crate::run::ranks::Ranks;
 use crate::run::saves::Saves;
 use crate::run::work::{DirectionSums, Run, Work};
@@ -176,12 +176,21 @@ pub(crate) struct Rounds<'a, 's> {
     pub saves: Option<Saves<'s>>,
 }
 
+/// Makes the error of a saved state that belongs to another bake.
+fn other_bake() -> Error {
+    Error::Usage(
+        "the bake that was saved is another one (its mesh, directions or options differ); repeat \
+        the options that it began with, or leave out --resume"
+            .into(),
+    )
+}
+
 impl Rounds<'_, '_> {
     /// Goes on from the saved state of an interrupted bake, if rank 0 has one.
     ///
     /// # Errors
-    /// Returns [`RunError::Saved`] if the saved state is that of another bake.
-    pub(crate) fn go_on(&mut self) -> Result<(), RunError> {
+    /// Returns an [`Error`] if the saved state is that of another bake.
+    pub(crate) fn go_on(&mut self) -> Result<(), Error> {
         if let Some(saved) = self.saves.as_mut().and_then(|saves| saves.start.take()) {
             let fresh = self.work.table();
             let shape = |table: &Table| {
@@ -192,7 +201,7 @@ impl Rounds<'_, '_> {
                 && saved.axes == fresh.axes
                 && shape(&saved) == shape(&fresh);
             if !same {
-                return Err(RunError::Saved);
+                return Err(other_bake());
             }
             self.work.watch.tell(saved.rays.sum());
             for (direction, sums) in self.work.directions.iter().zip(Sums::of_table(&saved)) {
@@ -208,10 +217,9 @@ impl Rounds<'_, '_> {
     /// Traces `rays` rays of every direction.
     ///
     /// # Errors
-    /// Returns [`RunError::Saved`] if the saved state has more rays than that,
-    /// [`RunError::Stopped`] if the watch stopped the bake, and [`RunError::Exits`] if the exit
-    /// directions take too much memory.
-    pub(crate) fn all(&mut self, rays: u64) -> Result<(), RunError> {
+    /// Returns an [`Error`] if the saved state has more rays than that, if the watch stopped the
+    /// bake, or if the exit directions take too much memory.
+    pub(crate) fn all(&mut self, rays: u64) -> Result<(), Error> {
         let plan = self.work.bake.plan;
         let share = |randomisation: usize| {
             let samples = share(rays, plan.randomisations, randomisation);
@@ -224,7 +232,7 @@ impl Rounds<'_, '_> {
             launched.any(|(r, &done)| done > share(r).end - share(r).start)
         };
         if self.ranks.leads() && self.work.directions.iter().any(beyond) {
-            return Err(RunError::Saved);
+            return Err(other_bake());
         }
         let every: Vec<usize> = (0..self.work.directions.len()).collect();
         self.run(&every, &share)
@@ -233,10 +241,9 @@ impl Rounds<'_, '_> {
     /// Doubles the rays of each direction until its estimated error is below `tolerance`.
     ///
     /// # Errors
-    /// Returns [`RunError::Tolerance`] if a direction has an error above `tolerance` after the most
-    /// rays possible, [`RunError::Stopped`] if the watch stopped the bake, and [`RunError::Exits`]
-    /// if the exit directions take too much memory.
-    pub(crate) fn until(&mut self, tolerance: f64) -> Result<(), RunError> {
+    /// Returns an [`Error`] if a direction has an error above `tolerance` after the most rays
+    /// possible, if the watch stopped the bake, or if the exit directions take too much memory.
+    pub(crate) fn until(&mut self, tolerance: f64) -> Result<(), Error> {
         let mut open: Vec<usize> = (0..self.work.directions.len()).collect();
         let mut samples = FIRST_ROUND;
         while !open.is_empty() {
@@ -244,12 +251,14 @@ impl Rounds<'_, '_> {
             if samples > RAYS_PER_RANDOMISATION && self.ranks.leads() {
                 let worst = &self.work.directions[open[0]];
                 let sums = worst.sums();
-                return Err(RunError::Tolerance {
-                    incidence_deg: worst.incidence_deg,
-                    azimuth_deg: worst.azimuth_deg,
-                    reached: sums.l1_error(),
-                    rays: sums.rays(),
-                });
+                return Err(Error::Failed(format!(
+                    "the estimated L1 error at incidence {} deg, azimuth {} deg is still {:.2e} \
+                    after {} rays; give a --tolerance above that, or fewer --bins",
+                    worst.incidence_deg,
+                    worst.azimuth_deg,
+                    sums.l1_error(),
+                    sums.rays()
+                )));
             }
             self.run(&open, &|_| 0..samples)?;
             // In a bake that goes on, a direction may have more rays than this round gives. Then it
@@ -286,7 +295,7 @@ impl Rounds<'_, '_> {
         &mut self,
         directions: &[usize],
         share: &dyn Fn(usize) -> Range<u64>,
-    ) -> Result<(), RunError> {
+    ) -> Result<(), Error> {
         let Rounds { work, ranks, saves } = self;
         let mut pace = Pace::first(work, *ranks, saves.is_some());
         for some in directions.chunks((PROGRAMS / work.sheet.scenes.len()).max(1)) {
@@ -303,7 +312,7 @@ impl Rounds<'_, '_> {
                 let (number, count) = (ranks.number(), ranks.count());
                 work.pool.install(|| work.trace(&runs, number, count));
                 if work.watch.is_stopped() {
-                    return Err(RunError::Stopped);
+                    return Err(Error::Stopped);
                 }
                 work.fits()?;
                 let Some(saves) = saves else { continue };

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use tables::{Output, OutputError, Table};
+use tables::{Output, Table};
 
 /// Default time between two saves, seconds.
 pub(crate) const EVERY_SECONDS: &str = "10";
@@ -76,13 +76,14 @@ impl SavedFile {
     /// Returns whether an interrupted bake left the file.
     ///
     /// # Errors
-    /// Returns [`OutputError::NotAFile`] if something else has the name. A link is not followed: it
-    /// would lead the save to another file.
+    /// Returns an error if something else has the name. A link is not followed: it would lead the
+    /// save to another file.
     pub(crate) fn is_there(&self) -> Result<bool, tables::Error> {
         match std::fs::symlink_metadata(&self.path) {
             Ok(found) if !found.is_file() => {
-                let file = self.path.clone();
-                Err(OutputError::NotAFile { file }.into())
+                let fault = "is not a regular file and cannot be replaced";
+                let remedy = "name another file, or move it away";
+                Err(tables::Error::file(&self.path, fault, remedy))
             }
             found => Ok(found.is_ok()),
         }

@@ -1,12 +1,12 @@
 //! The bake: a prepared cell and a plan become a table. Nothing is printed.
 
 use crate::cell::Prepared;
+use crate::error::Error;
 
 use crate::plan::{Effort, MOST_BYTES, Plan};
 use crate::rays::Tracer;
 use crate::run::bake::Bake;
 use crate::run::directions;
-use crate::run::error::RunError;
 use crate::run::ranks::{Alone, Ranks};
 use crate::run::rounds::Rounds;
 use crate::run::saves::Saves;
@@ -21,10 +21,10 @@ use tables::options::Method;
 /// otherwise rays. The table is the same, byte for byte, for any number of threads.
 ///
 /// # Errors
-/// Returns [`RunError`] if the method cannot bake the cell, the threads cannot be started, a
+/// Returns [`Error`] if the method cannot bake the cell, the threads cannot be started, a
 /// tolerance is out of reach, the exit directions take too much memory, or `watch` stopped the
 /// bake.
-pub fn trace(prepared: &Prepared, plan: &Plan, watch: Watch<'_>) -> Result<Table, RunError> {
+pub fn trace(prepared: &Prepared, plan: &Plan, watch: Watch<'_>) -> Result<Table, Error> {
     Bake::new(prepared, plan)?.table(watch)
 }
 
@@ -34,24 +34,22 @@ impl<'a> Bake<'a> {
     /// The choice of directions for a tolerance may take minutes.
     ///
     /// # Errors
-    /// Returns [`RunError::Exact`] if the plan asks for the exact method and it cannot bake the
-    /// cell, [`RunError::ShardOfExact`] if the plan asks for a shard of an exact bake,
-    /// [`RunError::DirectionsOfRays`] if the plan has a tolerance between directions and the exact
-    /// method cannot bake the cell, [`RunError::DirectionTolerance`] if that tolerance is out of
-    /// reach, and [`RunError::Threads`] if the threads cannot be started.
-    pub(crate) fn new(prepared: &'a Prepared, plan: &'a Plan) -> Result<Self, RunError> {
+    /// Returns an [`Error`] if the plan asks for the exact method, a shard of its rays or a tolerance
+    /// between directions and the method cannot give it, if that tolerance is out of reach, or if
+    /// the threads cannot be started.
+    pub(crate) fn new(prepared: &'a Prepared, plan: &'a Plan) -> Result<Self, Error> {
         Bake::watched(prepared, plan, Watch::none())
     }
 
     /// Decides as [`Bake::new`] does, and stops if `watch` says so.
     ///
     /// # Errors
-    /// Returns the errors of [`Bake::new`], and [`RunError::Stopped`].
+    /// Returns the errors of [`Bake::new`], and [`Error::Stopped`].
     pub(crate) fn watched(
         prepared: &'a Prepared,
         plan: &'a Plan,
         watch: Watch<'_>,
-    ) -> Result<Self, RunError> {
+    ) -> Result<Self, Error> {
         let (axes, symmetry) = plan.folded(prepared);
         let exact = plan.exact_cell(prepared);
         let mut bake = Bake {
@@ -65,14 +63,27 @@ impl<'a> Bake<'a> {
             chosen: None,
         };
         if let Some(tolerance) = plan.direction_tolerance {
-            let exact = exact.clone().map_err(RunError::DirectionsOfRays)?;
+            let exact = exact.clone().map_err(|reason| {
+                Error::Failed(format!(
+                    "--direction-tolerance: {reason}, and only exact tables are interpolated to a \
+                    tolerance; give --incidence and --azimuth as lists instead"
+                ))
+            })?;
             (bake.axes, bake.chosen) = directions::choose(&bake, exact, tolerance, watch)?;
         }
         bake.exact = match (plan.method, exact) {
             (Method::Rays, _) | (Method::Auto, Err(_)) => None,
-            (_, Ok(_)) if plan.shard.is_some() => return Err(RunError::ShardOfExact),
+            (_, Ok(_)) if plan.shard.is_some() => {
+                return Err(Error::Usage(
+                    "--shard: this cell is baked by the exact method, which traces no rays, so \
+                    there is nothing to share; leave out --shard, or give --method rays"
+                        .into(),
+                ));
+            }
             (_, Ok(exact)) => Some(exact),
-            (Method::Exact, Err(refusal)) => return Err(refusal.into()),
+            (Method::Exact, Err(reason)) => {
+                return Err(Error::Failed(format!("--method exact: {reason}")));
+            }
         };
         Ok(bake)
     }
@@ -80,9 +91,9 @@ impl<'a> Bake<'a> {
     /// Bakes the table in this process alone.
     ///
     /// # Errors
-    /// Returns [`RunError`] if the threads cannot be started, a tolerance is out of reach, the exit
+    /// Returns [`Error`] if the threads cannot be started, a tolerance is out of reach, the exit
     /// directions take too much memory, or `watch` stopped the bake.
-    pub(crate) fn table(&self, watch: Watch<'_>) -> Result<Table, RunError> {
+    pub(crate) fn table(&self, watch: Watch<'_>) -> Result<Table, Error> {
         match self.exact {
             Some(exact) => self.beams(exact, watch),
             None => Ok(self.rays(watch, None, &Alone)?.table()),
@@ -96,17 +107,16 @@ impl<'a> Bake<'a> {
     /// to be shared, so rank 0 does it alone.
     ///
     /// # Errors
-    /// Returns [`RunError`] if the threads cannot be started, a tolerance is out of reach, the exit
-    /// directions take too much memory, the saved state is that of another bake
-    /// ([`RunError::Saved`]), or `watch` stopped the bake. Any rank may return
-    /// [`RunError::Threads`], [`RunError::Exits`] or [`RunError::Stopped`]; the other errors occur
-    /// in rank 0 only. If one rank fails, the other ranks wait for it, so that it must end them.
+    /// Returns [`Error`] if the threads cannot be started, a tolerance is out of reach, the exit
+    /// directions take too much memory, the saved state is that of another bake, or `watch` stopped
+    /// the bake. A tolerance and the saved state fail in rank 0 only. If one rank fails, the other
+    /// ranks wait for it, so that it must end them.
     pub(crate) fn table_from(
         &self,
         watch: Watch<'_>,
         saves: Option<Saves<'_>>,
         ranks: &dyn Ranks,
-    ) -> Result<Option<Table>, RunError> {
+    ) -> Result<Option<Table>, Error> {
         match self.exact {
             None => {
                 let work = self.rays(watch, saves, ranks)?;
@@ -123,7 +133,7 @@ impl<'a> Bake<'a> {
         watch: Watch<'b>,
         saves: Option<Saves<'_>>,
         ranks: &'b dyn Ranks,
-    ) -> Result<Work<'b>, RunError> {
+    ) -> Result<Work<'b>, Error> {
         let (incidences, azimuths) = self.axes.shape();
         let (directions, bins) = (incidences * azimuths, self.axes.bins);
         let randomisations = self.plan.randomisations;
@@ -131,11 +141,11 @@ impl<'a> Bake<'a> {
             .iter()
             .fold(8_u64, |product, &n| product.saturating_mul(n as u64));
         if bytes > MOST_BYTES {
-            return Err(RunError::Counts {
-                directions,
-                bins,
-                randomisations,
-            });
+            return Err(Error::Failed(format!(
+                "the rays of {directions} directions are counted in {bins} x {bins} bins and \
+                {randomisations} randomisations, which take more than 2 GiB; give fewer --bins, \
+                --incidence or --azimuth"
+            )));
         }
         let work = Work::new(self, watch)?;
         let mut rounds = Rounds { work, ranks, saves };

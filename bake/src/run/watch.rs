@@ -24,7 +24,7 @@ impl<'a> Watch<'a> {
         Watch { told, stop: None }
     }
 
-    /// Ends the bake with [`crate::run::error::RunError::Stopped`] soon after `stop` is set.
+    /// Ends the bake with [`crate::Error::Stopped`] soon after `stop` is set.
     ///
     /// Any thread may set it.
     pub fn stopped_by(self, stop: &'a AtomicBool) -> Self {

@@ -2,9 +2,9 @@
 //!
 //! The sums are integers, so the number of threads or ranks has no effect on them.
 
+use crate::error::Error;
 use crate::rays::{Bins, Index, Kernel, Part, Sheet, Sums, Tally};
 use crate::run::bake::Bake;
-use crate::run::error::RunError;
 use crate::run::watch::Watch;
 use crate::samples::Stream;
 use ndarray::{Array4, Array5};
@@ -100,8 +100,8 @@ impl<'a> Work<'a> {
     /// Prepares everything that the rays need.
     ///
     /// # Errors
-    /// Returns [`RunError::Threads`] if the threads cannot be started.
-    pub(crate) fn new(bake: &'a Bake<'a>, watch: Watch<'a>) -> Result<Self, RunError> {
+    /// Returns an [`Error`] if the threads cannot be started.
+    pub(crate) fn new(bake: &'a Bake<'a>, watch: Watch<'a>) -> Result<Self, Error> {
         let bins = Bins::new(bake.axes.bins, bake.axes.range);
         Ok(Work {
             bake,
@@ -214,15 +214,18 @@ impl<'a> Work<'a> {
     /// Checks that the exit directions so far fit in their memory.
     ///
     /// # Errors
-    /// Returns [`RunError::Exits`] if they take too much memory.
-    pub(crate) fn fits(&self) -> Result<(), RunError> {
+    /// Returns an [`Error`] if they take too much memory.
+    pub(crate) fn fits(&self) -> Result<(), Error> {
         let entries = |direction: &DirectionSums| direction.sums().deviations.len() as u64;
         let bytes = self.directions.iter().map(entries).sum::<u64>() * size_of::<Entry>() as u64;
-        match bytes <= MOST_EXITS {
-            true => Ok(()),
-            false => Err(RunError::Exits {
-                directions: self.directions.len(),
-            }),
+        if bytes <= MOST_EXITS {
+            return Ok(());
         }
+        let directions = self.directions.len();
+        Err(Error::Failed(format!(
+            "the directions in which rays leave take more than 1 GiB of memory for {directions} \
+            directions of incidence; give fewer --incidence, --azimuth or --rays, a wider \
+            --deviations MRAD for coarser bins, or --deviations off"
+        )))
     }
 }

@@ -1,5 +1,8 @@
 //! Slopes of measured error curves, and their crossings with a target, on logarithmic axes.
 
+use crate::rays::Sums;
+use tables::Table;
+
 /// Power law fitted to points (x, y).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slope {
@@ -98,6 +101,36 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
         return f64::NAN;
     }
     f64::midpoint(values[(n - 1) / 2], values[n / 2])
+}
+
+/// Returns the estimated L1 error of every direction of a table of rays.
+///
+/// `bake trace --tolerance` makes the same estimate.
+pub(crate) fn estimates(table: &Table) -> Vec<f64> {
+    Sums::of_table(table).iter().map(Sums::l1_error).collect()
+}
+
+/// Returns the mean number of retroreflected rays per bin that any ray met, in one randomisation.
+///
+/// It is the least over all directions. A direction in which nothing returns counts as infinite.
+pub(crate) fn density(table: &Table) -> f64 {
+    let of = |sums: &Sums| {
+        let randomisations = sums.launched.len().max(1);
+        let size = sums.counts.len() / randomisations;
+        let met = (0..size)
+            .filter(|bin| (0..randomisations).any(|r| sums.counts[r * size + bin] > 0))
+            .count();
+        let returned: u64 = sums.counts.iter().sum();
+        if met == 0 {
+            f64::INFINITY
+        } else {
+            returned as f64 / (met * randomisations) as f64
+        }
+    };
+    Sums::of_table(table)
+        .iter()
+        .map(of)
+        .fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@
 //! CSV, JSON or a picture. This room may touch `run`, `plots` and all rooms below, and writes no
 //! file.
 
-mod counted;
 mod fit;
 pub(crate) mod picture;
 pub(crate) mod report;
@@ -14,4 +13,4 @@ pub(crate) mod study;
 pub use fit::{Reached, Slope};
 #[cfg(test)]
 pub(crate) use report::expected_exponent;
-pub use study::{Point, Reference, Series, Study, StudyError, StudyPlan, StudyRequest};
+pub use study::{Point, Reference, Series, Study, StudyPlan, StudyRequest};

@@ -1,6 +1,7 @@
 //! Picture of a study: error against rays and against seconds, on logarithmic axes.
 
-use crate::plots::{PlotError, render};
+use crate::error::Error;
+use crate::plots::render;
 use crate::rays::Tracer;
 use crate::study::report::{slope_text, title};
 use crate::study::study::{Point, Reference, Series, Study};
@@ -16,8 +17,8 @@ use tables::options::Sampler;
 /// Draws the study in the format of `file`, .png or .svg, and returns the bytes of that file.
 ///
 /// # Errors
-/// Returns [`PlotError`] if the extension of `file` is neither, or the picture cannot be rendered.
-pub(crate) fn draw(study: &Study, file: &Path) -> Result<Vec<u8>, PlotError> {
+/// Returns [`Error`] if the extension of `file` is neither, or the picture cannot be rendered.
+pub(crate) fn draw(study: &Study, file: &Path) -> Result<Vec<u8>, Error> {
     let (plots, layouts) = [by_rays(study), by_seconds(study)].into_iter().unzip();
     let heading = format!(
         "{}: {} directions, {} x {} bins; L1 error per launched ray",

@@ -181,7 +181,7 @@ pub(crate) fn json(study: &Study) -> String {
             refusal,
         } => json!({
             "method": "rays", "sampler": "sobol", "rays": rays, "estimated_l1": estimated_l1,
-            "reason": refusal.to_string(),
+            "reason": refusal,
         }),
     };
     let point = |point: &Point| {

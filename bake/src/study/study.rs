@@ -5,22 +5,22 @@
 //! to the table in memory, including the start of the threads. Every repeat has its own seed.
 //! Errors are means over these independent samples, and seconds are medians.
 
-use crate::study::counted::density;
-pub(crate) use crate::study::counted::estimates;
+use crate::error::Error;
 use crate::study::fit;
+use crate::study::fit::density;
+pub(crate) use crate::study::fit::estimates;
 
 use crate::beams::exact;
-use crate::cell::{ExactError, Prepared};
+use crate::cell::Prepared;
 use crate::plan;
-use crate::plan::{Plan, PlanError, request};
+use crate::plan::{Plan, request};
 use crate::rays::{Bins, Index, Kernel, Sheet, Tracer};
-use crate::run::{Bake, RunError, Watch, trace};
+use crate::run::{Bake, Watch, trace};
 use crate::study::fit::{Reached, Slope};
 use meshes::Cell;
 use std::time::Instant;
 use tables::Table;
 use tables::options::{Method, Sampler};
-use thiserror::Error;
 
 /// Smallest number of rays per direction; the other numbers are its products with powers of 4.
 pub(crate) const FEWEST_RAYS: u64 = 1 << 10;
@@ -70,44 +70,6 @@ pub struct StudyRequest {
     pub longest_seconds: f64,
 }
 
-/// Failure of a study.
-#[derive(Debug, Error)]
-pub enum StudyError {
-    /// Options of the bakes out of range.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// Number of rays below that with which a study begins.
-    #[error(
-        "--rays {rays}: a study begins with {FEWEST_RAYS} rays per direction; give at least that \
-        many"
-    )]
-    FewRays {
-        /// Rays per direction that were given.
-        rays: u64,
-    },
-    /// Number of repeats out of range.
-    #[error("--repeats {repeats}: give a whole number from 1 to {MOST_REPEATS}")]
-    Repeats {
-        /// Repeats that were given.
-        repeats: usize,
-    },
-    /// Target that is no L1 distance.
-    #[error("--target {target}: give a number above 0 and at most 2, the greatest L1 distance")]
-    Target {
-        /// Target that was given.
-        target: f64,
-    },
-    /// Longest time that is not above 0.
-    #[error("--longest {seconds}: give a number of seconds above 0")]
-    Longest {
-        /// Time that was given, seconds.
-        seconds: f64,
-    },
-    /// Failure of a bake.
-    #[error(transparent)]
-    Run(#[from] RunError),
-}
-
 /// Table against which the errors are measured.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reference {
@@ -125,7 +87,7 @@ pub enum Reference {
         /// Points whose error is not well above it are left out of the fitted slopes.
         estimated_l1: f64,
         /// Reason why there is no exact table.
-        refusal: ExactError,
+        refusal: String,
     },
 }
 
@@ -220,26 +182,34 @@ impl StudyPlan {
     /// Checks a request.
     ///
     /// # Errors
-    /// Returns the [`StudyError`] of the first option that is out of range; never
-    /// [`StudyError::Run`].
-    pub fn new(request: StudyRequest) -> Result<Self, StudyError> {
+    /// Returns [`Error::Usage`] for the first option that is out of range.
+    pub fn new(request: StudyRequest) -> Result<Self, Error> {
         let StudyRequest {
             repeats, target, ..
         } = request;
         if !(1..=MOST_REPEATS).contains(&repeats) {
-            return Err(StudyError::Repeats { repeats });
+            return Err(Error::Usage(format!(
+                "--repeats {repeats}: give a whole number from 1 to {MOST_REPEATS}"
+            )));
         }
         if !(target > 0.0 && target <= 2.0) {
-            return Err(StudyError::Target { target });
+            return Err(Error::Usage(format!(
+                "--target {target}: give a number above 0 and at most 2, the greatest L1 distance"
+            )));
         }
         let seconds = request.longest_seconds;
         if seconds.is_nan() || seconds <= 0.0 {
-            return Err(StudyError::Longest { seconds });
+            return Err(Error::Usage(format!(
+                "--longest {seconds}: give a number of seconds above 0"
+            )));
         }
         let rays = request.trace.rays.unwrap_or(plan::default::RAYS);
         let counts = ray_counts(rays);
         let Some(&most) = counts.last() else {
-            return Err(StudyError::FewRays { rays });
+            return Err(Error::Usage(format!(
+                "--rays {rays}: a study begins with {FEWEST_RAYS} rays per direction; give at \
+                least that many"
+            )));
         };
         let checked = StudyPlan { request, counts };
         checked.plan(Sampler::Random, most, 0)?;
@@ -248,7 +218,7 @@ impl StudyPlan {
     }
 
     /// Plans the bake of one repeat, whose seed is the first seed plus `repeat`.
-    fn plan(&self, sampler: Sampler, rays: u64, repeat: usize) -> Result<Plan, PlanError> {
+    fn plan(&self, sampler: Sampler, rays: u64, repeat: usize) -> Result<Plan, Error> {
         Plan::new(&request::Request {
             method: Method::Rays,
             sampler,
@@ -265,9 +235,8 @@ impl StudyPlan {
     /// name of what comes next, the number of steps that are done, and the number of all steps.
     ///
     /// # Errors
-    /// Returns [`StudyError::Run`] if a bake fails, and [`StudyError::Plan`] if an option is out of
-    /// range.
-    pub fn run(&self, cell: &Cell, done: &dyn Fn(&str, usize, usize)) -> Result<Study, StudyError> {
+    /// Returns an [`Error`] if a bake fails, or if an option is out of range.
+    pub fn run(&self, cell: &Cell, done: &dyn Fn(&str, usize, usize)) -> Result<Study, Error> {
         let most = self.counts[self.counts.len() - 1];
         let plan = self.plan(Sampler::Sobol, most, 0)?;
         let programs = programs(&Prepared::new(cell.clone()), &plan);
@@ -337,7 +306,7 @@ impl StudyPlan {
     }
 
     /// Bakes the reference: the exact table and its time, or a table of more rays.
-    fn reference(&self, cell: &Cell, plan: &Plan) -> Result<(Table, Reference), StudyError> {
+    fn reference(&self, cell: &Cell, plan: &Plan) -> Result<(Table, Reference), Error> {
         if let Err(refusal) = exact::prepare(&Prepared::new(cell.clone()), &plan.axes) {
             let most = self.counts[self.counts.len() - 1];
             let rays = most * REFERENCE_RAYS;
@@ -377,7 +346,7 @@ impl StudyPlan {
         tracer: Tracer,
         sampler: Sampler,
         rays: u64,
-    ) -> Result<Point, StudyError> {
+    ) -> Result<Point, Error> {
         let repeats = self.request.repeats;
         let mut seconds = Vec::with_capacity(repeats);
         let mut errors = vec![0.0; reference.retroreflected.len()];
@@ -415,7 +384,7 @@ impl StudyPlan {
 }
 
 /// Bakes a cell, which is dissected anew because the measured seconds include that.
-fn bake(cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
+fn bake(cell: &Cell, plan: &Plan) -> Result<Table, Error> {
     trace(&Prepared::new(cell.clone()), plan, Watch::none())
 }
 

@@ -1,6 +1,7 @@
 //! Tables over all azimuths: the sector that is baked stands for the other azimuths.
 
 use crate::tests::bakes;
+use crate::tests::bakes::asked;
 use crate::tests::cells;
 
 use crate::beams::spread;
@@ -9,7 +10,6 @@ use crate::run::Bake;
 use crate::tests::bakes::bake;
 use meshes::Cell;
 use meshes::design::{Design, Shape};
-use tables::options::Back;
 use tables::{Path, Table};
 
 fn table(cell: &Cell, incidence: &str, azimuth: &str) -> Table {
@@ -209,10 +209,8 @@ fn an_ideal_cube_behind_a_front_face_is_exact_between_directions() {
         let request = Request {
             incidence: incidence.into(),
             azimuth: azimuth.into(),
-            bins: 16,
             refractive_index: Some(index),
-            back: Back::Mirror,
-            ..Request::default()
+            ..asked("--bins 16 --back mirror")
         };
         bake(&cell, &Plan::new(&request).expect("a valid request")).expect("bakes")
     };
@@ -240,14 +238,7 @@ fn an_ideal_cube_behind_a_front_face_is_exact_between_directions() {
 /// the parts of its rays among those launched.
 #[test]
 fn exits_between_directions_are_a_mixture() {
-    let request = Request {
-        incidence: "0,20".into(),
-        azimuth: "10,40".into(),
-        method: tables::options::Method::Rays,
-        rays: Some(4096),
-        bins: 16,
-        ..Request::default()
-    };
+    let request = asked("--incidence 0,20 --azimuth 10,40 --method rays --rays 4096 --bins 16");
     let plan = Plan::new(&request).expect("a valid request");
     let table = bake(&cells::uneven_pair([5e-4, 0.0, -3e-4]), &plan).expect("bakes");
     let held = table.deviations.as_ref().expect("recorded");
@@ -284,13 +275,7 @@ fn what_has_no_symmetry_is_baked_all_around() {
     );
     let between = all.direction(10.0, Some(350.0)).unwrap();
     assert!(between.interpolated);
-    let request = Request {
-        incidence: "10".into(),
-        azimuth: "full:15".into(),
-        method: tables::options::Method::Rays,
-        rays: Some(4096),
-        ..Request::default()
-    };
+    let request = asked("--incidence 10 --azimuth full:15 --method rays --rays 4096");
     let plan = Plan::new(&request).unwrap();
     let rays = bake(&cells::pair(), &plan).unwrap();
     assert_eq!(rays.axes.azimuth_deg, [0.0, 15.0, 30.0]);
@@ -426,13 +411,8 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
 fn a_jump_is_said() {
     let cell = cells::pair();
     let request = Request {
-        incidence: "0,45".into(),
-        azimuth: "full".into(),
         refractive_index: Some(1.49),
-        back: Back::Tir,
-        direction_tolerance: Some(0.005),
-        bins: 16,
-        ..Request::default()
+        ..asked("--incidence 0,45 --azimuth full --back tir --direction-tolerance 0.005 --bins 16")
     };
     let plan = Plan::new(&request).unwrap();
     let prepared = bakes::prepared(&cell);
@@ -450,50 +430,4 @@ fn a_jump_is_said() {
     let baked = Bake::new(&prepared, &plan).unwrap();
     assert_eq!(baked.symmetry, prepared.symmetry());
     assert!(baked.axes().shape().0 <= 3, "{:?}", baked.axes());
-}
-
-/// Prints the error of mixed bins for finer and finer grids of directions. The grid that keeps the
-/// tolerance of 0.005 is the one to compare with. The test is run by hand, for the figures in
-/// BENCHMARKS.md.
-#[test]
-#[ignore = "figures for BENCHMARKS.md, a minute"]
-fn directions_that_mixing_takes() {
-    let cell = design("triangular-pair", |_| ());
-    let prepared = bakes::exact(&cell).unwrap();
-    for (step, azimuth) in [
-        ("5", "full:5"),
-        ("1", "full:5"),
-        ("0.5", "full:3"),
-        ("0.25", "full:2"),
-        ("0.2", "full:1"),
-    ] {
-        let request = Request {
-            incidence: format!("0:45:{step}"),
-            azimuth: azimuth.into(),
-            refractive_index: Some(1.49),
-            ..Request::default()
-        };
-        let plan = Plan::new(&request).unwrap();
-        let table = bake(&cell, &plan).unwrap();
-        let rules = plan.rules(&cell);
-        let apart = (0..500).map(|k| {
-            let (incidence, azimuth) = anywhere(k, 45.0);
-            let truth = prepared.direction(incidence, azimuth, 128, 2.0, &rules);
-            let found = table
-                .direction(incidence, Some(azimuth))
-                .unwrap()
-                .probability;
-            let bins = found.iter().zip(&truth.histogram);
-            0.5 * bins.map(|(a, b)| (a - b).abs()).sum::<f64>()
-        });
-        let worst = apart.fold(0.0, f64::max);
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("t.h5");
-        tables::write(&table, &file).unwrap();
-        let bytes = std::fs::metadata(&file).unwrap().len();
-        println!(
-            "{step} {azimuth}: {:?} directions, {bytes} bytes, mixed within {worst:.4}",
-            table.axes.shape()
-        );
-    }
 }

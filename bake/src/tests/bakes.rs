@@ -1,28 +1,35 @@
 //! Bakes of cells that are dissected for one question only.
 
-use crate::cell::{ExactCell, ExactError, Kind, Prepared, Whole};
+use crate::cell::{ExactCell, Kind, Prepared, Whole};
+use crate::error::Error;
 use crate::optics::Rules;
-use crate::plan::{Plan, default};
-use crate::rays::Tracer;
-use crate::run::{Bake, RunError, Watch, trace};
+use crate::plan::{Plan, Request, default};
+use crate::rays::{Bins, Kernel, Tally, Tracer};
+use crate::run::{Bake, Watch, trace};
+use crate::samples::Stream;
 use meshes::Cell;
-use tables::options::Element;
-use tables::options::Front;
-use tables::options::Method;
+use std::ops::Range;
+use tables::options::{Element, Front, Method};
 use tables::{Symmetry, Table};
 
+/// Returns the request of the options of a command line.
+pub(crate) fn asked(line: &str) -> Request {
+    let words: Vec<_> = line.split(' ').map(Into::into).collect();
+    tables::cli::parsed(&words).expect("options of `bake trace`")
+}
+
 /// Bakes the table of a cell by the method that the plan names.
-pub(crate) fn bake(cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
+pub(crate) fn bake(cell: &Cell, plan: &Plan) -> Result<Table, Error> {
     trace(&prepared(cell), plan, Watch::none())
 }
 
 /// Bakes the table of a cell by rays, whatever method the plan names.
-pub(crate) fn rays(cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
+pub(crate) fn rays(cell: &Cell, plan: &Plan) -> Result<Table, Error> {
     rays_by(Tracer::Fastest, cell, plan)
 }
 
 /// Bakes the table of a cell by rays that `tracer` follows.
-pub(crate) fn rays_by(tracer: Tracer, cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
+pub(crate) fn rays_by(tracer: Tracer, cell: &Cell, plan: &Plan) -> Result<Table, Error> {
     let plan = Plan {
         method: Method::Rays,
         ..plan.clone()
@@ -31,13 +38,27 @@ pub(crate) fn rays_by(tracer: Tracer, cell: &Cell, plan: &Plan) -> Result<Table,
     Bake::new(&prepared, &plan)?.by(tracer).table(Watch::none())
 }
 
+/// Traces `samples` as the kernel does and one by one; panics unless every count is the same.
+#[track_caller]
+pub(crate) fn compare(kernel: &Kernel, bins: &Bins, stream: &Stream, samples: Range<u64>) -> Tally {
+    let (mut fast, mut plain) = (Tally::new(bins), Tally::new(bins));
+    kernel.trace(stream, samples.clone(), &mut fast);
+    kernel.trace_one_by_one(stream, samples.clone(), &mut plain);
+    assert_eq!(fast.take_exits(), plain.take_exits());
+    assert_eq!(fast.fates, plain.fates);
+    // Behind the bins the kernel counts rays that fall in none.
+    assert!(fast.histogram[..bins.len()] == plain.histogram[..bins.len()]);
+    assert_eq!(fast.fates.iter().sum::<u64>(), samples.end - samples.start);
+    fast
+}
+
 pub(crate) fn prepared(cell: &Cell) -> Prepared {
     Prepared::new(cell.clone())
 }
 
 /// Returns the cell in the form that the exact method takes.
-pub(crate) fn exact(cell: &Cell) -> Result<ExactCell, ExactError> {
-    prepared(cell).exact().cloned().map_err(ExactError::clone)
+pub(crate) fn exact(cell: &Cell) -> Result<ExactCell, String> {
+    prepared(cell).exact().cloned().map_err(String::from)
 }
 
 pub(crate) fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {

@@ -1,9 +1,8 @@
 //! Cells built by hand, so that the tracer is tested without the loaders.
-#![allow(dead_code, reason = "each test file uses some of the cells")]
 
 use glam::{DVec2, DVec3};
 use meshes::design::{Design, Shape};
-use meshes::{Cell, Entrance};
+use meshes::{Cell, CellOptions, Entrance, Mesh};
 
 /// Height of the aperture plane of an ideal cube over its apex, edge lengths.
 pub(super) const HEIGHT: f64 = 0.577_350_269_189_625_8;
@@ -25,7 +24,7 @@ pub(super) fn faces(apex: DVec3, ends: [DVec3; 3]) -> Vec<[DVec3; 3]> {
     (0..3).map(|i| [apex, ends[i], ends[(i + 1) % 3]]).collect()
 }
 
-fn cell(facets: Vec<[DVec3; 3]>, entrance: Entrance, design: &str) -> Cell {
+pub(super) fn cell(facets: Vec<[DVec3; 3]>, entrance: Entrance, design: &str) -> Cell {
     Cell {
         facets,
         normals: None,
@@ -68,11 +67,27 @@ pub(super) fn uneven_pair(dihedral_error_rad: [f64; 3]) -> Cell {
 
 /// Returns the cell of a design.
 pub(super) fn designed(design: &Design) -> Cell {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let file = folder.path().join("designed.obj");
-    let mesh = design.mesh().expect("a design");
-    std::fs::write(&file, meshes::write::obj(&mesh)).expect("writes");
-    meshes::load_cell(&file, &meshes::CellOptions::default()).expect("a cell")
+    of_mesh(&design.mesh().expect("a design"), |_| ())
+}
+
+/// Returns the cell of a mesh, by the usual options with one change.
+pub(super) fn of_mesh(mesh: &Mesh, change: impl FnOnce(&mut CellOptions)) -> Cell {
+    let mut options = CellOptions::default();
+    change(&mut options);
+    meshes::normalise(mesh, "mesh.obj".as_ref(), &options).expect("a cell")
+}
+
+include!("../../../tests/eta.rs");
+
+/// Returns the directions, degrees, in which a cell returns a known share of the light.
+pub(super) fn listed(cell: &str) -> impl Iterator<Item = (f64, f64, f64)> {
+    known_eta(cell).into_iter().filter(|row| !row.1.is_nan())
+}
+
+/// Returns incidences, degrees, with the share that a cube returns in the mean over all azimuths.
+pub(super) fn listed_means() -> (Vec<f64>, Vec<f64>) {
+    let means = known_eta("cube").into_iter().filter(|row| row.1.is_nan());
+    means.map(|(incidence, _, eta)| (incidence, eta)).unzip()
 }
 
 /// Returns a cube and its copy turned by 180 deg, which share the rim edge opposite the first edge.

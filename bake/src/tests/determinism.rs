@@ -1,6 +1,7 @@
 //! Equal inputs give equal bytes, whatever the number of threads.
 
 use crate::plan::{Plan, Request};
+use crate::tests::bakes::asked;
 use crate::tests::bakes::rays;
 use crate::tests::cells;
 use tables::options::Sampler;
@@ -23,13 +24,10 @@ fn one_two_and_three_threads_write_the_same_bytes() {
         let bytes: Vec<Vec<u8>> = [1, 2, 3]
             .map(|threads| {
                 let plan = Plan::new(&Request {
-                    incidence: "0:40:20".into(),
                     azimuth: azimuth.into(),
-                    rays: Some(70_001),
-                    bins: 32,
                     sampler,
                     threads: Some(threads),
-                    ..Request::default()
+                    ..asked("--incidence 0:40:20 --rays 70001 --bins 32")
                 })
                 .expect("a valid request");
                 let table = rays(&cell, &plan).expect("bakes");
@@ -47,12 +45,7 @@ fn one_two_and_three_threads_write_the_same_bytes() {
 /// A bake to a tolerance stops when its estimate reaches it, and the true error is about as large.
 #[test]
 fn tolerance_is_reached() {
-    let request = Request {
-        incidence: "0,20".into(),
-        tolerance: Some(0.01),
-        bins: 32,
-        ..Request::default()
-    };
+    let request = asked("--incidence 0,20 --tolerance 0.01 --bins 32");
     let table = rays(&cells::triangular(), &Plan::new(&request).expect("valid")).expect("bakes");
     for (i, incidence) in [0.0_f64, 20.0].into_iter().enumerate() {
         let direction = crate::optics::Incidence::new(incidence.to_radians(), 0.0, 1.0);

@@ -2,6 +2,7 @@
 //! dihedral errors.
 
 use crate::tests::bakes;
+use crate::tests::bakes::asked;
 use crate::tests::cells;
 
 use crate::plan::{Effort, Plan, Request};
@@ -9,8 +10,8 @@ use crate::rays::Tracer;
 use crate::run::Comparison;
 use crate::tests::bakes::{bake, rays_by};
 use glam::DVec2;
+use meshes::Cell;
 use meshes::design::{Design, Plate, Shape};
-use meshes::{Cell, CellOptions, normalise};
 use num_complex::Complex64;
 use tables::options::{Back, Element, Losses, Method, Record, Sampler, SceneOptions};
 use tables::{Fate, Path, Table};
@@ -72,10 +73,8 @@ fn rays_go_where_beams_go() {
     let (mut compared, mut furthest) = (0, 0.0_f64);
     for index in [1.0, 1.49] {
         let request = Request {
-            incidence: "0,20,40".into(),
-            azimuth: "10,70".into(),
             refractive_index: Some(index),
-            ..Request::default()
+            ..asked("--incidence 0,20,40 --azimuth 10,70")
         };
         let by_rays = bake(&cell, &plan(&request)).expect("bakes");
         let exact = Plan::new(&request).expect("a valid request");
@@ -307,11 +306,7 @@ fn programs_record_what_single_rays_do() {
 #[test]
 fn shards_add_up() {
     let cell = cells::uneven_pair([0.0, 4e-4, 0.0]);
-    let request = Request {
-        incidence: "0,30".into(),
-        bins: 32,
-        ..Request::default()
-    };
+    let request = asked("--incidence 0,30 --bins 32");
     let whole = bake(&cell, &plan(&request)).expect("bakes");
     let shards = ["3/3", "1/3", "2/3"].map(|shard| {
         let request = Request {
@@ -364,13 +359,11 @@ fn ideal_cells_record_nothing() {
         *corner = (*corner * 1e6).round() / 1e6;
     }
     let design = |edge_radius, segments| {
-        let design = Design {
+        cells::designed(&Design {
             edge_radius,
             segments,
             ..Design::new(Shape::TriangularPair)
-        };
-        let mesh = design.mesh().expect("a design");
-        normalise(&mesh, std::path::Path::new("pair"), &CellOptions::default()).expect("a cell")
+        })
     };
     // Rounded edges send light far away or not at all. Rounding of coordinates to single precision
     // is no error of an angle.
@@ -415,12 +408,9 @@ fn ideal_cells_record_nothing() {
 fn means_of_cells_that_are_not_ideal_are_of_rays() {
     let mean = |method, record, cell: &Cell| {
         let request = Request {
-            incidence: "0,20".into(),
-            azimuth: "mean".into(),
             method,
-            rays: Some(1 << 12),
             scene: of(record),
-            ..Request::default()
+            ..asked("--incidence 0,20 --azimuth mean --rays 4096")
         };
         bake(cell, &Plan::new(&request).expect("a valid request"))
     };
@@ -450,12 +440,7 @@ fn leaning_mirrors_of_a_plate_are_recorded() {
         thickness: 0.05,
     };
     let mesh = plate.mesh().expect("a design");
-    let mut cell = normalise(
-        &mesh,
-        std::path::Path::new("plate"),
-        &CellOptions::default(),
-    )
-    .expect("a cell");
+    let mut cell = cells::of_mesh(&mesh, |_| ());
     let request = |method| Request {
         incidence: "30".into(),
         azimuth: "45".into(),
@@ -504,11 +489,8 @@ fn light_is_straight_in_the_air() {
     for errors in [[3e-3, 3e-3, 3e-3], [4e-3, -2e-3, 3e-3], [2e-3, 5e-3, -4e-3]] {
         let cell = cells::uneven_pair(errors);
         let request = Request {
-            incidence: "0,25,40".into(),
-            azimuth: "10,50".into(),
             refractive_index: Some(1.586),
-            bins: 16,
-            ..Request::default()
+            ..asked("--incidence 0,25,40 --azimuth 10,50 --bins 16")
         };
         let narrow = plan(&request);
         let wide = plan(&Request {

@@ -3,6 +3,7 @@
 use crate::optics::Rules;
 use crate::rays::{Bins, Index, InstructionSet, Kernel, Scene, Sheet, Tally};
 use crate::samples::{Launch, Stream};
+use crate::tests::bakes::compare;
 use crate::tests::kernels::patch;
 use crate::tests::{bakes, cells};
 use meshes::Cell;
@@ -22,17 +23,6 @@ fn rules(slopes: Slopes, alpha: f64) -> Rules {
         roughness: Some(Roughness::new(slopes, alpha).expect("a roughness")),
         ..Rules::mirrors(1.0)
     }
-}
-
-/// Traces the rays `first..first + count` in both ways; panics unless the counts are the same.
-fn compare(kernel: &Kernel, bins: &Bins, stream: &Stream, first: u64, count: u64) -> Tally {
-    let (mut fast, mut plain) = (Tally::new(bins), Tally::new(bins));
-    kernel.trace(stream, first..first + count, &mut fast);
-    kernel.trace_one_by_one(stream, first..first + count, &mut plain);
-    assert_eq!(fast.take_exits(), plain.take_exits());
-    assert_eq!(fast, plain);
-    assert_eq!(fast.fates.iter().sum::<u64>(), count);
-    fast
 }
 
 /// Every ray has the fate, the shift and the exit direction that it has alone: in a cube, in a pair
@@ -78,7 +68,7 @@ fn flights_equal_single_rays_ray_for_ray() {
                     let stream = Stream::new(sampler, 3, incidence, azimuth, 0);
                     assert!(kernel.flies());
                     for first in (5..RAYS + 5).step_by(SOME as usize) {
-                        let tally = compare(&kernel, &bins, &stream, first, SOME);
+                        let tally = compare(&kernel, &bins, &stream, first..first + SOME);
                         for (sum, count) in fates.iter_mut().zip(tally.fates) {
                             *sum += count;
                         }
@@ -93,26 +83,6 @@ fn flights_equal_single_rays_ray_for_ray() {
     assert_eq!((cases, rays), (60, 60 * RAYS));
     let met = fates.iter().filter(|&&count| count > 0).count();
     assert!(met >= 8, "{met} fates of {fates:?}");
-}
-
-/// Ten million rays of one case agree in all counts.
-#[test]
-fn ten_million_rays_agree() {
-    let bins = Bins::new(128, 1.0);
-    let cell = cells::triangular();
-    let scene = Arc::new(Scene::new(&cell, Index::Loop));
-    let launch = Launch::new(&cell.entrance);
-    let kernel = Kernel::new(
-        &scene,
-        &launch,
-        &rules(Slopes::Beckmann, 1e-3),
-        &bins,
-        20.0,
-        30.0,
-    );
-    let stream = Stream::new(Sampler::Sobol, 1, 20.0, 30.0, 0);
-    let tally = compare(&kernel, &bins, &stream, 0, 10_000_000);
-    println!("10000000 rays, by fate {:?}", tally.fates);
 }
 
 /// Every instruction set gives the same counts, also for a sheet whose cubes are scenes of their
@@ -137,7 +107,7 @@ fn flights_agree_on_all_instruction_sets() {
             let stream = Stream::new(Sampler::Sobol, 9, 30.0, 10.0, 0);
             let counts = InstructionSet::available().into_iter().map(|set| {
                 let kernel = Kernel::over(&sheet, &rules, &bins, 30.0, 10.0).on(set);
-                compare(&kernel, &bins, &stream, 0, 30_000)
+                compare(&kernel, &bins, &stream, 0..30_000)
             });
             let counts: Vec<Tally> = counts.collect();
             assert!(counts.iter().all(|tally| *tally == counts[0]));

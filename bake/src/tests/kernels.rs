@@ -2,6 +2,7 @@
 //! set.
 
 use crate::tests::bakes;
+use crate::tests::bakes::compare;
 use crate::tests::cells;
 
 use crate::cell::Whole;
@@ -66,20 +67,7 @@ fn program_equals_tracer_ray_for_ray() {
                         Sampler::Sobol
                     };
                     let stream = Stream::new(sampler, 3, incidence, azimuth, 0);
-                    let (mut fast, mut plain) = (Tally::new(&bins), Tally::new(&bins));
-                    kernel.trace(&stream, first..first + rays, &mut fast);
-                    kernel.trace_one_by_one(&stream, first..first + rays, &mut plain);
-                    assert_eq!(
-                        fast.fates, plain.fates,
-                        "{} at ({incidence}, {azimuth})",
-                        cell.design
-                    );
-                    let inside = bins.len();
-                    assert!(
-                        fast.histogram[..inside] == plain.histogram[..inside],
-                        "bins at ({incidence}, {azimuth})"
-                    );
-                    assert_eq!(fast.fates.iter().sum::<u64>(), rays);
+                    compare(&kernel, &bins, &stream, first..first + rays);
                     directions += 1;
                 }
             }
@@ -126,12 +114,7 @@ fn periodic_programs_equal_the_tracer_ray_for_ray() {
                     programs += 1;
                     assert!(counts_every_ray_once(program), "{incidence} {azimuth}");
                     let stream = Stream::new(Sampler::Sobol, 3, incidence, azimuth, 0);
-                    let (mut fast, mut plain) = (Tally::new(&bins), Tally::new(&bins));
-                    kernel.trace(&stream, 0..rays, &mut fast);
-                    kernel.trace_one_by_one(&stream, 0..rays, &mut plain);
-                    assert_eq!(fast.fates, plain.fates, "({incidence}, {azimuth})");
-                    let inside = bins.len();
-                    assert!(fast.histogram[..inside] == plain.histogram[..inside]);
+                    compare(&kernel, &bins, &stream, 0..rays);
                 }
             }
         }
@@ -223,11 +206,7 @@ fn a_strip_of_rounding_counts_no_ray_twice() {
                 "{side} {decade} {incidence}"
             );
             let stream = Stream::new(Sampler::Random, 12, incidence, 20.0, 0);
-            let (mut all, mut single) = (Tally::new(&bins), Tally::new(&bins));
-            kernel.trace(&stream, 0..5_000, &mut all);
-            kernel.trace_one_by_one(&stream, 0..5_000, &mut single);
-            assert_eq!(all.fates, single.fates, "{side} {decade} {incidence}");
-            assert_eq!(all.fates.iter().sum::<u64>(), 5_000);
+            compare(&kernel, &bins, &stream, 0..5_000);
             cases += 1;
         }
     }

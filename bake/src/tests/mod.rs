@@ -20,7 +20,6 @@ mod kernels;
 mod leaks;
 mod ranks;
 mod roughness;
-mod speed;
 mod study;
 mod ten_million;
 mod trapped;

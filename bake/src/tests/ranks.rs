@@ -1,10 +1,12 @@
 //! A bake that is shared by ranks equals the bake of one process, byte for byte. Here threads act
 //! as processes; `mpi.rs` starts real processes.
 
+use crate::error::Error;
+use crate::tests::bakes::asked;
 use crate::tests::cells;
 
 use crate::plan::{Plan, Request};
-use crate::run::{Alone, Bake, Ranks, RunError, Saves, Watch};
+use crate::run::{Alone, Bake, Ranks, Saves, Watch};
 use crate::tests::bakes;
 use crate::tests::bakes::rays;
 use meshes::Cell;
@@ -74,7 +76,7 @@ fn bake_from(
     plan: &Plan,
     saves: Option<Saves<'_>>,
     ranks: &dyn Ranks,
-) -> Result<Option<Table>, RunError> {
+) -> Result<Option<Table>, Error> {
     let prepared = bakes::prepared(cell);
     Bake::new(&prepared, plan)?.table_from(Watch::none(), saves, ranks)
 }
@@ -138,9 +140,7 @@ fn any_number_of_ranks_bakes_the_same_bytes() {
     let request = |incidence: &str, azimuth: &str| Request {
         incidence: incidence.into(),
         azimuth: azimuth.into(),
-        rays: Some(200_001),
-        method: tables::options::Method::Rays,
-        ..Request::default()
+        ..asked("--rays 200001 --method rays")
     };
     let cases = [
         (cells::pair(), request("0:40:20", "10,70")),

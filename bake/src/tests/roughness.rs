@@ -1,12 +1,12 @@
 //! Rough facets: normals against the density of visible ones, exit directions against first order,
 //! tables against smooth ones.
 
+use crate::error::Error;
 use crate::tests::cells;
 
 use crate::optics::{Incidence, Rules, deviation};
 use crate::plan::{Plan, Request};
 use crate::rays::{Index, Luck, Outcome, Scene, Tracer, trace};
-use crate::run::RunError;
 use crate::samples::Stream;
 use crate::tests::bakes;
 use glam::{DMat2, DMat3, DVec2, DVec3};
@@ -384,7 +384,7 @@ fn the_exact_method_refuses_and_auto_traces_rays() {
         ..asked.clone()
     });
     let refused = bakes::bake(&cells::pair(), &plan.expect("a plan"));
-    let said = refused.map_err(|error: RunError| error.to_string());
+    let said = refused.map_err(|error: Error| error.to_string());
     assert_eq!(
         said.expect_err("no planes"),
         "--method exact: --roughness 0.001 leaves no plane mirrors, which the exact method needs"

@@ -1,19 +1,14 @@
 //! Tests of `bake study`: measured slopes against those of theory, and its estimate of errors.
 
-use crate::plan;
+use crate::plan::Request;
 use crate::rays::Tracer;
 use crate::study::{Reached, Reference, Study, StudyPlan, StudyRequest, expected_exponent, report};
+use crate::tests::bakes::asked;
+use crate::tests::cells::designed;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions};
-use std::path::Path;
 use tables::options::Sampler;
 
-fn pair() -> Cell {
-    let mesh = Design::new(Shape::TriangularPair).mesh().expect("a design");
-    meshes::normalise(&mesh, Path::new("pair"), &CellOptions::default()).expect("a cell")
-}
-
-fn study(trace: plan::request::Request, repeats: usize, target: f64) -> Study {
+fn study(trace: Request, repeats: usize, target: f64) -> Study {
     StudyPlan::new(StudyRequest {
         trace,
         repeats,
@@ -21,7 +16,10 @@ fn study(trace: plan::request::Request, repeats: usize, target: f64) -> Study {
         longest_seconds: f64::INFINITY,
     })
     .expect("a valid request")
-    .run(&pair(), &|_, _, _| ())
+    .run(
+        &designed(&Design::new(Shape::TriangularPair)),
+        &|_, _, _| (),
+    )
     .expect("bakes")
 }
 
@@ -42,13 +40,9 @@ fn study(trace: plan::request::Request, repeats: usize, target: f64) -> Study {
 fn errors_fall_as_theory_says() {
     let target = 0.02;
     let found = study(
-        plan::request::Request {
-            incidence: "0,20".into(),
-            azimuth: "30".into(),
+        Request {
             refractive_index: Some(1.49),
-            bins: 16,
-            rays: Some(1 << 20),
-            ..plan::request::Request::default()
+            ..asked("--incidence 0,20 --azimuth 30 --bins 16 --rays 1048576")
         },
         4,
         target,
@@ -142,13 +136,7 @@ fn errors_fall_as_theory_says() {
 #[test]
 fn without_an_exact_table() {
     let found = study(
-        plan::request::Request {
-            incidence: "0,20".into(),
-            azimuth: "mean".into(),
-            bins: 8,
-            rays: Some(20_000),
-            ..plan::request::Request::default()
-        },
+        asked("--incidence 0,20 --azimuth mean --bins 8 --rays 20000"),
         1,
         1e-9,
     );

@@ -9,23 +9,19 @@ use crate::optics::{Backing, Incidence, Rules};
 use crate::plan::{Plan, Request};
 use crate::rays::{Index, Scene, trace};
 use crate::tests::bakes;
+use crate::tests::cells::of_mesh;
 use crate::tests::exact::designs::chi_square_sigmas;
 use glam::{DMat3, DVec2, DVec3};
+use meshes::Cell;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, normalise};
 use rayon::prelude::*;
-use std::path::Path;
 use tables::Fate;
 use tables::options::{Front, Method, Sampler, SceneOptions};
 
 /// Returns a periodic cell.
 fn cell(shape: Shape) -> Cell {
     let mesh = Design::new(shape).mesh().expect("a design");
-    let options = CellOptions {
-        periodic: true,
-        ..CellOptions::default()
-    };
-    normalise(&mesh, Path::new("cell"), &options).expect("a cell")
+    of_mesh(&mesh, |options| options.periodic = true)
 }
 
 fn trapped(index: f64) -> Rules {
@@ -354,13 +350,7 @@ fn no_light_is_lost_near_the_planes_of_symmetry() {
 fn no_path_has_a_negative_weight() {
     let mut paths = 0;
     for shape in [Shape::Canted, Shape::TriangularPair] {
-        let mesh = Design::new(shape).mesh().expect("a design");
-        let options = CellOptions {
-            periodic: true,
-            ..CellOptions::default()
-        };
-        let cell = normalise(&mesh, Path::new("cell"), &options).expect("a cell");
-        let prepared = Prepared::new(cell);
+        let prepared = Prepared::new(cell(shape));
         let rules = Rules {
             losses: Some(Backing::Mirror { reflectance: 0.9 }),
             ..trapped(1.586)

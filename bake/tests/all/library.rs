@@ -1,6 +1,6 @@
 //! Tests of the library from outside: the functions that another front end calls.
 
-use bake::{Comparison, Plan, Prepared, Request, RetraceError, RunError, Watch, retrace, trace};
+use bake::{Comparison, Error, Plan, Prepared, Request, Watch, retrace, trace};
 use meshes::CellOptions;
 use meshes::design::{Design, Shape};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -51,7 +51,7 @@ fn a_bake_is_stopped() {
             let watch = Watch::new(&told).stopped_by(&stop);
             let stopped = trace(&pair, &plan(method), watch);
             assert!(
-                matches!(stopped, Err(RunError::Stopped)),
+                matches!(stopped, Err(Error::Stopped)),
                 "{method:?}, {before}"
             );
         }
@@ -69,5 +69,5 @@ fn a_mesh_judges_its_table_and_another_one() {
     assert!(!judged(&table, &other).expect("rays").agrees());
     table.provenance.back = tables::options::Word::Other("of-a-later-version".to_owned());
     let unknown = judged(&table, &pair);
-    assert!(matches!(unknown, Err(RetraceError::Unknown)));
+    assert!(matches!(unknown, Err(Error::Stated(_))));
 }

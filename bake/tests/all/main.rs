@@ -5,5 +5,6 @@
 mod cli;
 mod library;
 mod merge;
+mod program;
 mod resume;
 mod study;

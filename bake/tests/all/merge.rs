@@ -2,219 +2,105 @@
 //!
 //! They also check a table against its mesh.
 
-use std::path::Path;
-use std::process::{Command, Output};
+use crate::program::Folder;
 
-fn bake(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_bake"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("bake runs")
-}
-
-fn good(folder: &Path, arguments: &[&str]) -> String {
-    let output = bake(folder, arguments);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "bake {arguments:?}: {message}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-fn refused(folder: &Path, arguments: &[&str], code: i32, sentence: &str) {
-    let output = bake(folder, arguments);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(
-        output.status.code(),
-        Some(code),
-        "bake {arguments:?}: {message}"
-    );
-    assert!(
-        message.contains(sentence),
-        "\"{message}\" should say \"{sentence}\""
-    );
-}
-
-fn trace<'a>(file: &'a str, options: &[&'a str]) -> Vec<&'a str> {
-    let common = ["trace", "pair.obj", "-o", file, "--bins", "32"];
-    [&common[..], options].concat()
+/// Bakes a table of the pair.
+fn trace(folder: &Folder, file: &str, options: &str) {
+    let line = format!("trace triangular-pair.obj -o {file} --bins 32 {options}");
+    folder.good(&line);
 }
 
 #[test]
 fn a_bake_in_parts_has_the_bytes_of_the_whole() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let here = folder.path();
-    good(here, &["design", "triangular-pair", "-o", "pair.obj"]);
-    let bytes = |file: &str| std::fs::read(here.join(file)).expect("a table");
+    let folder = Folder::with(&["triangular-pair"]);
+    let same = || folder.read("merged.h5") == folder.read("whole.h5");
     let mut compared = 0;
     for sampler in ["sobol", "random"] {
-        let rays = [
-            "--method",
-            "rays",
-            "--rays",
-            "100003",
-            "--incidence",
-            "0,20,40",
-            "--azimuth",
-            "0,30",
-            "--sampler",
-            sampler,
-        ];
-        good(here, &trace("whole.h5", &rays));
+        let rays = "--method rays --rays 100003 --incidence 0,20,40 --azimuth 0,30";
+        let rays = format!("{rays} --sampler {sampler}");
+        trace(&folder, "whole.h5", &rays);
         for of in [2, 5] {
-            let files: Vec<String> = (1..=of).rev().map(|k| format!("{k}.h5")).collect();
-            for (file, k) in files.iter().zip((1..=of).rev()) {
-                let shard = format!("{k}/{of}");
-                good(
-                    here,
-                    &[&trace(file, &rays)[..], &["--shard", &shard]].concat(),
+            let mut line = String::from("merge -o merged.h5");
+            for k in (1..=of).rev() {
+                trace(
+                    &folder,
+                    &format!("{k}.h5"),
+                    &format!("{rays} --shard {k}/{of}"),
                 );
+                line += &format!(" {k}.h5");
             }
-            let names: Vec<&str> = files.iter().map(String::as_str).collect();
-            good(here, &[&["merge", "-o", "merged.h5"], &names[..]].concat());
-            assert!(
-                bytes("merged.h5") == bytes("whole.h5"),
-                "{sampler}, {of} shards"
-            );
+            folder.good(&line);
+            assert!(same(), "{sampler}, {of} shards");
             compared += 1;
         }
     }
     // Tables of some directions are merged too, made by rays and by the exact method.
     for method in ["rays", "exact"] {
-        let of = |incidence: &'static str, azimuth: &'static str| {
-            [
-                "--method",
-                method,
-                "--incidence",
-                incidence,
-                "--azimuth",
-                azimuth,
-            ]
-        };
-        good(here, &trace("whole.h5", &of("0:40:20", "0,30")));
-        good(here, &trace("a.h5", &of("0,40", "0,30")));
-        good(here, &trace("b.h5", &of("20", "30")));
-        good(here, &trace("c.h5", &of("20", "0")));
-        good(here, &["merge", "a.h5", "b.h5", "c.h5", "-o", "merged.h5"]);
-        assert!(bytes("merged.h5") == bytes("whole.h5"), "{method}");
-        refused(
-            here,
-            &["merge", "a.h5", "b.h5", "-o", "merged.h5"],
-            1,
-            "no table holds incidence 20 deg, azimuth 0 deg",
-        );
-        refused(
-            here,
-            &["merge", "a.h5", "a.h5", "-o", "merged.h5"],
-            1,
-            "counted twice",
-        );
+        for (file, incidence, azimuth) in [
+            ("whole.h5", "0:40:20", "0,30"),
+            ("a.h5", "0,40", "0,30"),
+            ("b.h5", "20", "30"),
+            ("c.h5", "20", "0"),
+        ] {
+            let directions = format!("--incidence {incidence} --azimuth {azimuth}");
+            trace(&folder, file, &format!("--method {method} {directions}"));
+        }
+        folder.good("merge a.h5 b.h5 c.h5 -o merged.h5");
+        assert!(same(), "{method}");
+        let gap = "no table holds incidence 20 deg, azimuth 0 deg";
+        folder.refused("merge a.h5 b.h5 -o merged.h5", 1, gap);
+        folder.refused("merge a.h5 a.h5 -o merged.h5", 1, "counted twice");
         compared += 1;
     }
     assert_eq!(compared, 6);
-    assert!(
-        bytes("merged.h5") == bytes("whole.h5"),
-        "a refusal leaves the output"
-    );
+    assert!(same(), "a refusal leaves the output");
 }
 
 #[test]
 fn rays_are_added_in_place() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let here = folder.path();
-    good(here, &["design", "triangular-pair", "-o", "pair.obj"]);
-    let rays = [
-        "--method",
-        "rays",
-        "--rays",
-        "50000",
-        "--sampler",
-        "random",
-        "--incidence",
-        "10",
-    ];
-    good(
-        here,
-        &[&trace("table.h5", &rays)[..], &["--seed", "7"]].concat(),
-    );
-    good(
-        here,
-        &[&trace("more.h5", &rays)[..], &["--seed", "8"]].concat(),
-    );
-    let report = good(
-        here,
-        &["merge", "table.h5", "more.h5", "-o", "table.h5", "--json"],
-    );
-    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    let folder = Folder::with(&["triangular-pair"]);
+    for (file, options) in [
+        ("table.h5", "--seed 7"),
+        ("more.h5", "--seed 8"),
+        ("far.h5", "--seed 11"),
+        ("other.h5", "--seed 9 --refractive-index 1.5"),
+        ("some.h5", "--shard 2/3"),
+    ] {
+        let rays = "--method rays --rays 50000 --sampler random --incidence 10";
+        trace(&folder, file, &format!("{rays} {options}"));
+    }
+    let report = folder.json("merge table.h5 more.h5 -o table.h5 --json");
     assert_eq!(report["rays"], 100_000);
     assert_eq!(report["seed"], 7);
-    good(
-        here,
-        &[&trace("far.h5", &rays)[..], &["--seed", "11"]].concat(),
-    );
-    refused(
-        here,
-        &["merge", "table.h5", "far.h5", "-o", "table.h5"],
-        1,
-        "--seed 9",
-    );
+    folder.refused("merge table.h5 far.h5 -o table.h5", 1, "--seed 9");
     // The message names the field in which two bakes differ.
-    let index = ["--refractive-index", "1.5", "--seed", "9"];
-    good(here, &[&trace("other.h5", &rays)[..], &index].concat());
-    refused(
-        here,
-        &["merge", "table.h5", "other.h5", "-o", "x.h5"],
-        1,
-        "refractive_index of table 1 is 1.5",
-    );
+    let field = "refractive_index of table 1 is 1.5";
+    folder.refused("merge table.h5 other.h5 -o x.h5", 1, field);
     // Some shards alone make a table too, which says what it lacks.
-    good(
-        here,
-        &[&trace("some.h5", &rays)[..], &["--shard", "2/3"]].concat(),
-    );
-    assert!(good(here, &["inspect", "some.h5"]).contains("2/3 of 50000 rays"));
-    refused(
-        here,
-        &[&trace("x.h5", &[])[..], &["--shard", "1/2"]].concat(),
-        2,
-        "--method rays",
-    );
+    let some = folder.good("inspect some.h5");
+    assert!(some.contains("2/3 of 50000 rays"), "{some}");
+    let exact = "trace triangular-pair.obj -o x.h5 --shard 1/2";
+    folder.refused(exact, 2, "--method rays");
 }
 
 #[test]
 fn a_mesh_judges_its_table() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let here = folder.path();
-    good(here, &["design", "triangular-pair", "-o", "pair.obj"]);
-    good(here, &["design", "canted", "-o", "canted.obj"]);
+    let folder = Folder::with(&["triangular-pair", "canted"]);
     let mut judged = 0;
     for (file, options) in [
-        (
-            "exact.h5",
-            vec!["--azimuth", "0:60:20", "--refractive-index", "1.49"],
-        ),
-        ("sobol.h5", vec!["--method", "rays", "--rays", "200000"]),
-        (
-            "mean.h5",
-            vec!["--method", "rays", "--rays", "200000", "--azimuth", "mean"],
-        ),
+        ("exact.h5", "--azimuth 0:60:20 --refractive-index 1.49"),
+        ("sobol.h5", "--method rays --rays 200000"),
+        ("mean.h5", "--method rays --rays 200000 --azimuth mean"),
     ] {
-        good(here, &trace(file, &options));
-        for seed in ["1", "2", "3"] {
-            let rays = ["--rays", "100000", "--seed", seed];
-            let report = good(
-                here,
-                &[&["verify", file, "--mesh", "pair.obj", "--json"], &rays[..]].concat(),
-            );
-            let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
-            assert_eq!(report["mesh_agrees"], true, "{file}, seed {seed}");
+        trace(&folder, file, options);
+        for seed in [1, 2, 3] {
+            let rays = format!("--rays 100000 --seed {seed} --json");
+            let line = format!("verify {file} --mesh triangular-pair.obj {rays}");
+            assert_eq!(folder.json(&line)["mesh_agrees"], true, "{file}, {seed}");
             judged += 1;
         }
-        refused(
-            here,
-            &["verify", file, "--mesh", "canted.obj"],
-            1,
-            "does not agree with the rays through canted.obj",
-        );
+        let other = "does not agree with the rays through canted.obj";
+        folder.refused(&format!("verify {file} --mesh canted.obj"), 1, other);
     }
     assert_eq!(judged, 9);
 }

@@ -2,48 +2,13 @@
 //!
 //! It leaves the old table whole, and goes on to the same bytes.
 
-use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use crate::program::{Folder, said};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Returns the command of a bake of rays that is saved as often as possible.
-fn command(folder: &Path, file: &str, options: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_bake"));
-    let common = [
-        "trace",
-        "cell.obj",
-        "-o",
-        file,
-        "--method",
-        "rays",
-        "--bins",
-        "64",
-        "--save-every",
-        "0",
-    ];
-    command
-        .current_dir(folder)
-        .args(common)
-        .args(options)
-        .stdout(Stdio::null());
-    command
-}
-
-fn design(folder: &Path) {
-    let made = Command::new(env!("CARGO_BIN_EXE_bake"))
-        .current_dir(folder)
-        .args(["design", "full-cube", "-o", "cell.obj"])
-        .status()
-        .expect("bake runs");
-    assert!(made.success());
-}
-
-fn done(output: &Output) {
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+/// Returns the line of a bake of rays that is saved as often as possible.
+fn trace(file: &str, options: &str) -> String {
+    format!("trace full-cube.obj -o {file} --method rays --bins 64 --save-every 0 {options}")
 }
 
 /// Returns numbers below `n` that are equal in all runs (splitmix64).
@@ -69,51 +34,31 @@ fn stop(child: &mut Child, signal: &str) {
 
 #[test]
 fn stopped_at_75_random_moments_it_ends_with_the_same_bytes() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let here = folder.path();
-    design(here);
+    let folder = Folder::with(&["full-cube"]);
     let mut numbers = Numbers(1);
     let (mut kills, mut went_on, mut completed) = (0, 0, 0);
     for options in [
-        &["--rays", "30000000", "--incidence", "0:60:20"][..],
-        &["--tolerance", "0.004", "--incidence", "0:60:20"],
-        &[
-            "--rays",
-            "100000",
-            "--incidence",
-            "30,45",
-            "--refractive-index",
-            "1.49",
-            "--front",
-            "trapped",
-        ],
+        "--rays 30000000 --incidence 0:60:20",
+        "--tolerance 0.004 --incidence 0:60:20",
+        "--rays 100000 --incidence 30,45 --refractive-index 1.49 --front trapped",
     ] {
         let begun = Instant::now();
-        done(
-            &command(here, "whole.h5", options)
-                .output()
-                .expect("bake runs"),
-        );
+        folder.good(&trace("whole.h5", options));
         let time = begun.elapsed();
-        let whole = std::fs::read(here.join("whole.h5")).expect("a table");
-        let table = here.join("table.h5");
-        let resumes = here.join("table.h5.resume");
-        let again = [options, &["--resume"]].concat();
-        std::fs::write(&table, "old").expect("writes");
+        let whole = folder.read("whole.h5");
+        let resumes = folder.file("table.h5.resume");
+        let again = trace("table.h5", &format!("{options} --resume"));
+        folder.write("table.h5", "old");
         let complete = || {
-            assert!(
-                std::fs::read(&table).expect("a table") == whole,
-                "{options:?}"
-            );
+            assert!(folder.read("table.h5") == whole, "{options}");
             assert!(!resumes.exists(), "nothing is left to go on with");
-            std::fs::write(&table, "old").expect("writes");
+            folder.write("table.h5", "old");
         };
         let mut here_kills = 0;
         while here_kills < 25 {
             went_on += usize::from(resumes.exists());
-            let mut child = command(here, "table.h5", &again)
-                .spawn()
-                .expect("bake runs");
+            let mut command = folder.command(&again);
+            let mut child = command.stdout(Stdio::null()).spawn().expect("bake runs");
             let delay = time.as_micros() as u64 / 10;
             std::thread::sleep(Duration::from_micros(numbers.below(delay)));
             if child.try_wait().expect("it can be asked").is_some() {
@@ -123,17 +68,13 @@ fn stopped_at_75_random_moments_it_ends_with_the_same_bytes() {
             }
             stop(&mut child, ["INT", "TERM", "KILL"][here_kills % 3]);
             // The signal may have come between the last write and the end of the process.
-            let now = std::fs::read(&table).expect("a table");
+            let now = folder.read("table.h5");
             assert!(now == b"old" || now == whole, "half a table");
-            std::fs::write(&table, "old").expect("writes");
+            folder.write("table.h5", "old");
             here_kills += 1;
         }
         kills += here_kills;
-        done(
-            &command(here, "table.h5", &again)
-                .output()
-                .expect("bake runs"),
-        );
+        folder.good(&again);
         complete();
     }
     println!("{kills} kills, {went_on} times from a save, {completed} times done in between");
@@ -141,91 +82,51 @@ fn stopped_at_75_random_moments_it_ends_with_the_same_bytes() {
     assert!(went_on > 10, "a test of going on, not of beginning again");
 }
 
-/// Returns the names of everything in a folder.
-fn names(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).expect("lists").flatten();
-    let mut names: Vec<String> = entries
-        .map(|e| e.file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort();
-    names
-}
-
 #[test]
 fn a_full_disk_leaves_the_old_table() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let here = folder.path();
-    design(here);
-    std::fs::write(here.join("table.h5"), "old").expect("writes");
+    let folder = Folder::with(&["full-cube"]);
+    folder.write("table.h5", "old");
     // A shell can limit files to 1 kB without root. The signal that the limit sends is ignored.
     let output = Command::new("sh")
-        .current_dir(here)
+        .current_dir(folder.path())
         .args(["-c", "trap '' XFSZ; ulimit -f 2; exec \"$@\"", "sh"])
         .arg(env!("CARGO_BIN_EXE_bake"))
-        .args([
-            "trace", "cell.obj", "-o", "table.h5", "--method", "rays", "--rays", "10000",
-        ])
+        .args("trace full-cube.obj -o table.h5 --method rays --rays 10000".split(' '))
         .output()
         .expect("a shell");
-    let message = String::from_utf8_lossy(&output.stderr);
+    let message = said(&output);
     assert_eq!(output.status.code(), Some(1), "{message}");
     assert!(message.contains("table.h5: cannot be written"), "{message}");
-    assert_eq!(
-        std::fs::read(here.join("table.h5")).expect("a table"),
-        b"old"
-    );
-    assert_eq!(names(here), ["cell.obj", "table.h5"]);
+    assert_eq!(folder.read("table.h5"), b"old");
+    assert_eq!(folder.names(), ["full-cube.obj", "table.h5"]);
 }
 
 #[test]
 fn what_was_saved_of_another_bake_is_refused() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let here = folder.path();
-    design(here);
-    done(
-        &command(here, "saved.h5", &["--rays", "50000"])
-            .output()
-            .expect("bake runs"),
-    );
+    let folder = Folder::with(&["full-cube"]);
+    folder.good(&trace("saved.h5", "--rays 50000"));
+    let saved = || folder.write("table.h5.resume", folder.read("saved.h5"));
     let mut refused = 0;
     for options in [
-        ["--rays", "50000", "--seed", "2"],
-        ["--rays", "50000", "--incidence", "0:40:5"],
-        ["--rays", "49999", "--seed", "1"],
-        ["--tolerance", "0.1", "--seed", "1"],
+        "--rays 50000 --seed 2",
+        "--rays 50000 --incidence 0:40:5",
+        "--rays 49999 --seed 1",
+        "--tolerance 0.1 --seed 1",
     ] {
-        std::fs::copy(here.join("saved.h5"), here.join("table.h5.resume")).expect("copies");
-        let output = command(here, "table.h5", &[&options[..], &["--resume"]].concat()).output();
-        let output = output.expect("bake runs");
-        let message = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{options:?}: {message}");
-        assert!(
-            message.contains("the bake that was saved is another one"),
-            "{message}"
-        );
-        assert!(here.join("table.h5.resume").exists());
+        saved();
+        let line = trace("table.h5", &format!("{options} --resume"));
+        folder.refused(&line, 2, "the bake that was saved is another one");
+        assert!(folder.file("table.h5.resume").exists());
         refused += 1;
     }
     assert_eq!(refused, 4);
     // A bake with more rays and otherwise equal options goes on from the save.
-    let more = ["--rays", "80000"];
-    done(
-        &command(here, "whole.h5", &more)
-            .output()
-            .expect("bake runs"),
-    );
-    done(
-        &command(here, "table.h5", &[&more[..], &["--resume"]].concat())
-            .output()
-            .expect("bake runs"),
-    );
-    let bytes = |file: &str| std::fs::read(here.join(file)).expect("a table");
-    assert!(bytes("table.h5") == bytes("whole.h5"));
+    folder.good(&trace("whole.h5", "--rays 80000"));
+    folder.good(&trace("table.h5", "--rays 80000 --resume"));
+    assert!(folder.read("table.h5") == folder.read("whole.h5"));
     // Without --resume the bake begins anew, and a message says so.
-    std::fs::copy(here.join("saved.h5"), here.join("table.h5.resume")).expect("copies");
-    let output = command(here, "table.h5", &more)
-        .output()
-        .expect("bake runs");
-    assert!(String::from_utf8_lossy(&output.stderr).contains("--resume would go on with"));
-    assert!(bytes("table.h5") == bytes("whole.h5"));
+    saved();
+    let message = said(&folder.run(&trace("table.h5", "--rays 80000")));
+    assert!(message.contains("--resume would go on with"), "{message}");
+    assert!(folder.read("table.h5") == folder.read("whole.h5"));
 }

@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use tables::OutputError;
-
 use crate::document::FileLine;
 use crate::estimate::error as estimate;
 #[cfg(all(feature = "images", feature = "report"))]
@@ -81,9 +79,6 @@ pub(crate) enum Failure {
         key: String,
         option: String,
     },
-    /// Output that cannot be reserved or written.
-    #[error(transparent)]
-    Output(#[from] OutputError),
     /// Plot that cannot be drawn.
     #[cfg(feature = "report")]
     #[error(transparent)]
@@ -150,12 +145,6 @@ pub(crate) enum Failure {
     bake trace --azimuth full --direction-tolerance 0.005",
         table.display())]
     OneAzimuth { table: PathBuf, held: &'static str },
-    /// Failure of terminal, threads or outputs, which both programs share.
-    #[error(transparent)]
-    Terminal(#[from] tables::cli::Error),
-    /// Threads that could not be started.
-    #[error(transparent)]
-    Threads(#[from] tables::cli::NoThreads),
     /// Work that the caller stopped.
     #[error("stopped")]
     Stopped,
@@ -184,7 +173,7 @@ impl Failure {
         match self {
             #[cfg(feature = "report")]
             Failure::Plot(plot::Error::Format(_)) => 2,
-            Failure::Terminal(tables::cli::Error::PlotExtension(_)) => 2,
+            Failure::Table(tables::Error::PlotExtension(_)) => 2,
             Failure::Frequency { .. } | Failure::Usage(_) => 2,
             #[cfg(feature = "images")]
             Failure::Render(render::Error::Ending(_)) => 2,

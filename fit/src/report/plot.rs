@@ -15,7 +15,7 @@ use crate::result::ResultFile;
 pub(crate) enum Error {
     /// Ending of a file that is no format of plots.
     #[error(transparent)]
-    Format(#[from] tables::cli::Error),
+    Format(#[from] tables::Error),
     /// Picture that the drawing library cannot draw.
     #[error("{}: the plot could not be drawn ({message}); try the other of .svg and .png",
         path.display())]

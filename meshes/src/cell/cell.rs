@@ -4,9 +4,8 @@
 //! is the projection of the first edge on the entrance plane (azimuth 0); y = n x x. Lengths are in
 //! edge lengths (a leg from the apex is 1).
 
-use glam::{DVec2, DVec3};
-
 use crate::cell::normals::Normals;
+use glam::{DVec2, DVec3};
 
 /// Entrance of rays: a polygon, or one lattice parallelogram, in the plane z = `height`.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,4 +74,28 @@ impl Cell {
         let index = at_d + (at_d - 1.0) / abbe * (523_655.0 / (nm * nm) - 1.5168);
         Some(index.max(1.0))
     }
+}
+
+/// Options of a cell, which take precedence over the file.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct CellOptions {
+    /// Lattice vectors, file units and frame; they override those of the file.
+    pub lattice: Option<[DVec3; 2]>,
+    /// Direction of azimuth 0, file frame, any length; only its part in the entrance plane counts.
+    pub azimuth_zero: Option<DVec3>,
+    /// Length of an edge from the apex, file units.
+    pub edge_length: Option<f64>,
+    /// True if facets stand for a curved face that has the file's normals (`normals`); false if
+    /// they are planes.
+    pub file_normals: bool,
+    /// True if faces of the material `glass` are surfaces of bodies that light goes through, wound
+    /// outward.
+    ///
+    /// The mesh is then taken as it is, closed or not. If false, all facets are mirrors.
+    pub glass: bool,
+    /// True if light goes on to the neighbours of the cell, so that the cell must be periodic.
+    ///
+    /// Without a lattice the sides of the rim are the lattice vectors, if the rim is a
+    /// parallelogram.
+    pub periodic: bool,
 }

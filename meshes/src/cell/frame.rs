@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::cell::apex::{Corner, Fans};
-use crate::cell::options::CellOptions;
+use crate::cell::cell::CellOptions;
 use crate::cell::surface::Surface;
 use crate::mesh::error::Fault;
 

@@ -11,7 +11,6 @@ pub(crate) mod entrance;
 pub(crate) mod frame;
 pub(crate) mod normalise;
 pub(crate) mod normals;
-pub(crate) mod options;
 pub(crate) mod prism;
 pub(crate) mod rim;
 pub(crate) mod rounding;

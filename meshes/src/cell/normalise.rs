@@ -6,11 +6,11 @@ use glam::DVec3;
 
 use crate::cell::apex::Fans;
 use crate::cell::cell::Cell;
+use crate::cell::cell::CellOptions;
 use crate::cell::check;
 use crate::cell::entrance;
 use crate::cell::frame::Frame;
 use crate::cell::normals;
-use crate::cell::options::CellOptions;
 use crate::cell::prism;
 use crate::cell::rounding;
 use crate::cell::surface::Surface;

@@ -5,7 +5,7 @@ use std::num::NonZeroU32;
 
 use glam::{DVec2, DVec3};
 
-use crate::design::option::inside;
+use crate::design::cube::inside;
 use crate::files::write;
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::{Mesh, sha256};

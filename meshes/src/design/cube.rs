@@ -5,16 +5,14 @@
 //! of its three edges. With the default edge length of 3, every coordinate of the ideal cells is an
 //! integer: exact in text and in f32.
 
-use glam::{DMat3, DVec3};
-
 use crate::design::bead::Bead;
 use crate::design::corner::Corner;
 use crate::design::curved;
-use crate::design::option::inside;
 use crate::design::plate::Plate;
 use crate::files::write;
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::{Mesh, sha256};
+use glam::{DMat3, DVec3};
 
 /// Kinds of corner-cube cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -354,5 +352,20 @@ fn full_cube([a, b, c]: [DVec3; 3], cut: f64, gap: f64) -> Mesh {
         triangles,
         lattice,
         ..Mesh::default()
+    }
+}
+
+/// Checks that an option of a design is a number from `least` to `most`.
+pub(crate) fn inside(option: &'static str, value: f64, least: f64, most: f64) -> Result<(), Fault> {
+    // NaN is outside of every range.
+    if (least..=most).contains(&value) {
+        Ok(())
+    } else {
+        Err(Fault::DesignOption {
+            option,
+            value,
+            least,
+            most,
+        })
     }
 }

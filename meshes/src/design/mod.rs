@@ -7,7 +7,6 @@ mod bead;
 mod corner;
 mod cube;
 mod curved;
-mod option;
 mod plate;
 mod tile;
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::design::option::inside;
+use crate::design::cube::inside;
 use crate::files::write;
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::{Mesh, sha256};

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::mesh::error::{Counted, Fault};
+use crate::mesh::error::Fault;
 use crate::mesh::mesh::MAX_ELEMENTS;
 
 /// Largest file, and most bytes of all buffers of a mesh.
@@ -15,7 +15,7 @@ pub(crate) const MAX_BYTES: u64 = 1 << 27;
 
 /// Checks that a number of elements is at most [`MAX_ELEMENTS`], before anything of its size is
 /// allocated.
-pub(crate) fn within(what: Counted, found: usize) -> Result<(), Fault> {
+pub(crate) fn within(what: &'static str, found: usize) -> Result<(), Fault> {
     let (found, limit) = (found as u64, MAX_ELEMENTS as u64);
     match found > limit {
         true => Err(Fault::TooLarge { what, found, limit }),
@@ -39,7 +39,7 @@ pub(crate) fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, Fault> {
     regular(&metadata)?;
     if metadata.len() > limit {
         return Err(Fault::TooLarge {
-            what: Counted::Bytes,
+            what: "bytes",
             found: metadata.len(),
             limit,
         });
@@ -50,7 +50,7 @@ pub(crate) fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, Fault> {
         .map_err(Fault::Unreadable)?;
     if bytes.len() as u64 > limit {
         return Err(Fault::TooLarge {
-            what: Counted::Bytes,
+            what: "bytes",
             found: bytes.len() as u64,
             limit,
         });

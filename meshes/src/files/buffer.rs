@@ -8,7 +8,7 @@ use gltf::accessor::{DataType, Dimensions};
 
 use crate::files::bounded::{MAX_BYTES, read_bounded};
 use crate::mesh::digits::single;
-use crate::mesh::error::{Counted, Fault};
+use crate::mesh::error::Fault;
 
 /// Contents of the buffers of a glTF document, in its order.
 #[derive(Debug)]
@@ -62,7 +62,7 @@ impl Buffers {
             total += content.len() as u64;
             if total > MAX_BYTES {
                 return Err(Fault::TooLarge {
-                    what: Counted::Bytes,
+                    what: "bytes",
                     found: total,
                     limit: MAX_BYTES,
                 });

@@ -17,7 +17,7 @@ use serde_json::Value;
 use crate::files::bounded::within;
 use crate::files::buffer::Buffers;
 use crate::files::glb;
-use crate::mesh::error::{Counted, Fault};
+use crate::mesh::error::Fault;
 use crate::mesh::mesh::{GLASS, Mesh, sha256};
 
 /// Frame of a node in the scene.
@@ -88,9 +88,9 @@ fn light(json: &[u8]) -> Result<(), Fault> {
         }
     }
     let counted = [
-        (Counted::Json, json.len() as u64, 1 << 27),
-        (Counted::JsonValues, outside, 1 << 24),
-        (Counted::Objects, objects, 1 << 17),
+        ("bytes of JSON", json.len() as u64, 1 << 27),
+        ("bytes of JSON outside of texts", outside, 1 << 24),
+        ("JSON objects", objects, 1 << 17),
     ];
     match counted.into_iter().find(|&(_, found, limit)| found > limit) {
         Some((what, found, limit)) => Err(Fault::TooLarge { what, found, limit }),
@@ -297,12 +297,12 @@ fn append(
             .ok_or(wrong("positions")("it has none"))?;
         let count = |have: usize, more: usize| have.saturating_add(more);
         let vertices = count(mesh.positions.len(), accessor.count());
-        within(Counted::Vertices, vertices)?;
+        within("vertices", vertices)?;
         let (local, steps) = buffers.positions(&accessor).map_err(wrong("positions"))?;
         let indices = match primitive.indices() {
             Some(accessor) => {
                 within(
-                    Counted::Triangles,
+                    "triangles",
                     count(3 * mesh.triangles.len(), accessor.count() / 3),
                 )?;
                 buffers.indices(&accessor).map_err(wrong("indices"))?
@@ -311,10 +311,7 @@ fn append(
         };
         let triangles = triangles(primitive.mode(), &indices)
             .map_err(|mode| Fault::NotTriangles { mesh: index, mode })?;
-        within(
-            Counted::Triangles,
-            count(mesh.triangles.len(), triangles.len()),
-        )?;
+        within("triangles", count(mesh.triangles.len(), triangles.len()))?;
         let first = mesh.positions.len() as u32;
         let glass = primitive.material().name() == Some(GLASS);
         let normals = normals(&primitive, here, buffers);

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use crate::files::bounded::within;
 use crate::mesh::digits::Digits;
-use crate::mesh::error::{Counted, Fault};
+use crate::mesh::error::Fault;
 use crate::mesh::mesh::{GLASS, Mesh, sha256};
 use crate::mesh::polygon;
 
@@ -133,10 +133,10 @@ fn survey(text: &str, mesh: &mut Mesh, digits: &mut Digits) -> Result<(usize, us
         }
     }
     for (what, found) in [
-        (Counted::Vertices, vertices),
-        (Counted::Triangles, faces),
+        ("vertices", vertices),
+        ("triangles", faces),
         // A polygon of n corners makes n - 2 triangles, at least n / 3.
-        (Counted::Triangles, words / 3),
+        ("triangles", words / 3),
     ] {
         within(what, found)?;
     }
@@ -208,7 +208,7 @@ fn triangulate(
     for (face, &arity) in (1_u32..).zip(&arities[1..]) {
         let corners = &indices[start..start + arity as usize];
         start += arity as usize;
-        within(Counted::Triangles, mesh.triangles.len() + corners.len())?;
+        within("triangles", mesh.triangles.len() + corners.len())?;
         all_triangles &= corners.len() == 3;
         let before = mesh.triangles.len();
         polygon::cut(&mesh.positions, corners, face, &mut mesh.triangles)?;
@@ -264,32 +264,32 @@ pub(crate) fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(),
     let (key, value) = content
         .split_once(char::is_whitespace)
         .unwrap_or((content, ""));
+    let wrong = |what, wanted| Fault::Comment {
+        line,
+        text: content.to_owned(),
+        what,
+        wanted,
+    };
     match key {
         "design" => mesh.design = value.trim().to_owned(),
         "hollow" if value.trim().is_empty() => mesh.hollow = true,
         "lattice" => {
-            let [ax, ay, az, bx, by, bz] = numbers(value).ok_or_else(|| Fault::LatticeComment {
-                line,
-                text: content.to_owned(),
-            })?;
+            let wanted = "lattice ax,ay,az,bx,by,bz' with six finite numbers";
+            let vectors = numbers(value).ok_or_else(|| wrong("a lattice", wanted))?;
+            let [ax, ay, az, bx, by, bz] = vectors;
             mesh.lattice = Some([DVec3::new(ax, ay, az), DVec3::new(bx, by, bz)]);
         }
         "azimuth_zero" => {
-            let direction = numbers(value).ok_or_else(|| Fault::AzimuthZeroComment {
-                line,
-                text: content.to_owned(),
-            })?;
+            let wanted = "azimuth_zero x,y,z' with three finite numbers";
+            let direction = numbers(value).ok_or_else(|| wrong("a direction", wanted))?;
             mesh.azimuth_zero = Some(DVec3::from_array(direction));
         }
-        "edge_length" => match value.trim().parse::<f64>() {
-            Ok(length) if length.is_finite() && length > 0.0 => mesh.edge_length = Some(length),
-            _ => {
-                return Err(Fault::EdgeLengthComment {
-                    line,
-                    text: content.to_owned(),
-                });
-            }
-        },
+        "edge_length" => {
+            let length = value.trim().parse::<f64>().ok();
+            let length = length.filter(|length| length.is_finite() && *length > 0.0);
+            let wanted = "edge_length L' with one positive number";
+            mesh.edge_length = Some(length.ok_or_else(|| wrong("an edge length", wanted))?);
+        }
         _ => {}
     }
     Ok(())

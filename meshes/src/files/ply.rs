@@ -8,7 +8,7 @@ use ply_rs_bw::ply::{PropertyAccessResult, PropertyType, ScalarType};
 use crate::files::bounded::within;
 use crate::files::obj;
 use crate::mesh::digits::{Digits, single};
-use crate::mesh::error::{Counted, Fault};
+use crate::mesh::error::Fault;
 use crate::mesh::mesh::{Mesh, sha256};
 use crate::mesh::polygon;
 
@@ -96,15 +96,15 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     let mut before = reader.line() - 1;
     for (name, element) in &read.elements {
         let what = match name.as_str() {
-            "vertex" => Counted::Vertices,
-            "face" => Counted::Triangles,
-            _ => Counted::Elements,
+            "vertex" => "vertices",
+            "face" => "triangles",
+            _ => "elements of one kind",
         };
         within(what, element.count)?;
         let elements = parser.read_payload_for_element(&mut reader, element, &read);
         let elements = elements.map_err(fault)?;
         match what {
-            Counted::Vertices => {
+            "vertices" => {
                 vertices = elements
                     .into_iter()
                     .map(|element| element.position)
@@ -119,7 +119,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
                     steps.for_each(|(step, &position)| *step = step.max(single(position)));
                 }
             }
-            Counted::Triangles => faces = elements,
+            "triangles" => faces = elements,
             _ => {}
         }
         before += element.count;
@@ -162,7 +162,7 @@ fn polygons(mesh: &mut Mesh, faces: Vec<Element>) -> Result<(), Fault> {
                 vertices,
             });
         }
-        within(Counted::Triangles, mesh.triangles.len() + corners.len())?;
+        within("triangles", mesh.triangles.len() + corners.len())?;
         all_triangles &= corners.len() == 3;
         polygon::cut(&mesh.positions, &corners, face, &mut mesh.triangles)?;
         mesh.faces.resize(mesh.triangles.len(), face);

@@ -15,7 +15,7 @@ use crate::files::bounded::within;
 use crate::files::buffer::number;
 use crate::files::obj;
 use crate::mesh::digits::{Digits, single};
-use crate::mesh::error::{Counted, Fault};
+use crate::mesh::error::Fault;
 use crate::mesh::mesh::{Mesh, sha256};
 
 /// Bytes before the triangles of a binary file: a free text of 80, and their number.
@@ -48,7 +48,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
                 expected: HEADER,
             });
         };
-        within(Counted::Triangles, count as usize)?;
+        within("triangles", count as usize)?;
         if expected != bytes.len() {
             return Err(Fault::StlLength {
                 found: bytes.len(),
@@ -79,7 +79,7 @@ struct Known(HashMap<[u64; 3], u32>);
 impl Known {
     /// Appends a triangle to `mesh`, and its corners unless they are vertices already.
     fn push(&mut self, corners: [DVec3; 3], mesh: &mut Mesh) -> Result<(), Fault> {
-        within(Counted::Triangles, mesh.triangles.len() + 1)?;
+        within("triangles", mesh.triangles.len() + 1)?;
         let vertices = corners.map(|corner| {
             // Adding 0 makes -0 the same place as 0.
             let key = (corner + DVec3::ZERO).to_array().map(f64::to_bits);
@@ -89,7 +89,7 @@ impl Known {
             })
         });
         mesh.triangles.push(vertices);
-        within(Counted::Vertices, mesh.positions.len())
+        within("vertices", mesh.positions.len())
     }
 }
 

@@ -30,45 +30,6 @@ impl Error {
     }
 }
 
-/// Quantity that exceeded its limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Counted {
-    /// Bytes of a file or of a buffer.
-    Bytes,
-    /// Vertices.
-    Vertices,
-    /// Triangles, after polygons have been split.
-    Triangles,
-    /// Nodes of a glTF scene.
-    Nodes,
-    /// JSON objects of a glTF document.
-    Objects,
-    /// Bytes of a glTF document's JSON.
-    Json,
-    /// Bytes of a glTF document's JSON outside of its texts.
-    JsonValues,
-    /// Corners of one polygon.
-    Corners,
-    /// Elements of one kind of a PLY file.
-    Elements,
-}
-
-impl std::fmt::Display for Counted {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Bytes => "bytes",
-            Self::Vertices => "vertices",
-            Self::Triangles => "triangles",
-            Self::Nodes => "nodes",
-            Self::Objects => "JSON objects",
-            Self::Json => "bytes of JSON",
-            Self::JsonValues => "bytes of JSON outside of texts",
-            Self::Corners => "corners of one polygon",
-            Self::Elements => "elements of one kind",
-        })
-    }
-}
-
 /// Fault of a mesh file, of a mesh, or of the options given for it.
 #[derive(Debug, Error)]
 #[allow(
@@ -95,7 +56,7 @@ pub enum Fault {
         period"
     )]
     TooLarge {
-        what: Counted,
+        what: &'static str,
         found: u64,
         limit: u64,
     },
@@ -123,21 +84,13 @@ pub enum Fault {
         index: i64,
         vertices: usize,
     },
-    #[error(
-        "line {line} is not a lattice ('{text}'); write '# lattice ax,ay,az,bx,by,bz' with six \
-        finite numbers"
-    )]
-    LatticeComment { line: usize, text: String },
-    #[error(
-        "line {line} is not an edge length ('{text}'); write '# edge_length L' with one positive \
-        number"
-    )]
-    EdgeLengthComment { line: usize, text: String },
-    #[error(
-        "line {line} is not a direction ('{text}'); write '# azimuth_zero x,y,z' with three \
-        finite numbers"
-    )]
-    AzimuthZeroComment { line: usize, text: String },
+    #[error("line {line} is not {what} ('{text}'); write '# {wanted}")]
+    Comment {
+        line: usize,
+        text: String,
+        what: &'static str,
+        wanted: &'static str,
+    },
     #[error(
         "face {face} is not flat (a corner is {relative:.1e} of its size off its plane); write it \
         with more digits, or split it into triangles"

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::mesh::error::{Counted, Fault};
+use crate::mesh::error::Fault;
 
 /// Most corners of a polygon that is not a fan, because ear clipping costs their square.
 pub(crate) const MAX_CORNERS: usize = 1024;
@@ -81,7 +81,7 @@ pub(crate) fn cut(
     if corners.len() > MAX_CORNERS {
         let (found, limit) = (corners.len() as u64, MAX_CORNERS as u64);
         return Err(Fault::TooLarge {
-            what: Counted::Corners,
+            what: "corners of one polygon",
             found,
             limit,
         });

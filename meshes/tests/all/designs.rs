@@ -4,15 +4,12 @@ use std::path::Path;
 
 use glam::DVec3;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, load_cell, normalise, write};
+use meshes::{Cell, CellOptions, load_cell, write};
+
+use crate::cells;
 
 fn cell(design: Design) -> Cell {
-    normalise(
-        &design.mesh().expect("a legal design"),
-        Path::new("design"),
-        &CellOptions::default(),
-    )
-    .expect("a cell")
+    cells::cell(&design.mesh().expect("a legal design"))
 }
 
 fn area(cell: &Cell) -> f64 {
@@ -309,45 +306,42 @@ fn worn_cells_and_land_are_cells() {
 
 #[test]
 fn worn_designs_are_refused_outside_their_range() {
-    let refuse = |shape, change: fn(&mut Design), part: &str| {
+    type Change = fn(&mut Design);
+    let cases: [(Shape, Change, &str); 9] = [
+        (
+            Shape::Triangular,
+            |d| d.edge_radius = 0.61,
+            "0.61 is outside",
+        ),
+        (
+            Shape::Triangular,
+            |d| d.edge_radius = f64::NAN,
+            "edge radius",
+        ),
+        (Shape::Triangular, |d| d.strips = 0, "number of strips of 0"),
+        (Shape::TriangularPair, |d| d.apex_flat = 0.6, "apex of 0.6"),
+        (Shape::Canted, |d| d.gap = -0.1, "gap of -0.1"),
+        (
+            Shape::FullCube,
+            |d| d.edge_radius = 0.1,
+            "take an edge radius",
+        ),
+        (Shape::FullCube, |d| d.apex_flat = 0.1, "take a flat apex"),
+        (
+            Shape::Canted,
+            |d| (d.sag, d.gap) = (1e-3, 0.1),
+            "a sag together",
+        ),
+        (
+            Shape::Triangular,
+            |d| (d.edge_radius, d.apex_flat) = (0.1, 0.1),
+            "both an edge radius and a flat apex",
+        ),
+    ];
+    for (shape, change, part) in cases {
         let mut design = Design::new(shape);
         change(&mut design);
         let fault = design.mesh().expect_err("out of range").to_string();
         assert!(fault.contains(part), "{fault}");
-    };
-    refuse(
-        Shape::Triangular,
-        |d| d.edge_radius = 0.61,
-        "edge radius of 0.61 is outside 0 to 0.6",
-    );
-    refuse(
-        Shape::Triangular,
-        |d| d.edge_radius = f64::NAN,
-        "edge radius",
-    );
-    refuse(Shape::Triangular, |d| d.strips = 0, "number of strips of 0");
-    refuse(
-        Shape::TriangularPair,
-        |d| d.apex_flat = 0.6,
-        "flat apex of 0.6",
-    );
-    refuse(Shape::Canted, |d| d.gap = -0.1, "gap of -0.1");
-    refuse(
-        Shape::FullCube,
-        |d| d.edge_radius = 0.1,
-        "full-cube does not take an edge radius",
-    );
-    refuse(
-        Shape::FullCube,
-        |d| d.apex_flat = 0.1,
-        "full-cube does not take a flat apex",
-    );
-    let curved = |d: &mut Design| (d.sag, d.gap) = (1e-3, 0.1);
-    refuse(Shape::Canted, curved, "a sag together with");
-    let both = |d: &mut Design| (d.edge_radius, d.apex_flat) = (0.1, 0.1);
-    refuse(
-        Shape::Triangular,
-        both,
-        "both an edge radius and a flat apex",
-    );
+    }
 }

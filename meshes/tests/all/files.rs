@@ -10,6 +10,8 @@ use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, gltf, load_cell, normalise, obj};
 use serde_json::{Value, json};
 
+use crate::cells::{cell, mesh, options, same_facets};
+
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("tests")
@@ -108,52 +110,17 @@ fn a_missing_file_and_bad_options_are_told() {
             .to_string()
             .contains("cannot be read")
     );
-    let cases: [(CellOptions, &str); 6] = [
-        (
-            CellOptions {
-                edge_length: Some(0.0),
-                ..CellOptions::default()
-            },
-            "edge length 0 is not usable",
-        ),
-        (
-            CellOptions {
-                edge_length: Some(-1.0),
-                ..CellOptions::default()
-            },
-            "edge length -1 is not usable",
-        ),
-        (
-            CellOptions {
-                edge_length: Some(f64::NAN),
-                ..CellOptions::default()
-            },
-            "edge length NaN is not usable",
-        ),
-        (
-            CellOptions {
-                azimuth_zero: Some(DVec3::ONE),
-                ..CellOptions::default()
-            },
-            "azimuth zero 1,1,1 has no direction",
-        ),
-        (
-            CellOptions {
-                azimuth_zero: Some(DVec3::ZERO),
-                ..CellOptions::default()
-            },
-            "azimuth zero 0,0,0 has no direction",
-        ),
-        (
-            CellOptions {
-                lattice: Some([DVec3::X, DVec3::Y]),
-                ..CellOptions::default()
-            },
-            "degrees off the plane",
-        ),
+    type Change = fn(&mut CellOptions);
+    let cases: [(Change, &str); 6] = [
+        (|o| o.edge_length = Some(0.0), "edge length 0 is not usable"),
+        (|o| o.edge_length = Some(-1.0), "edge length -1 is not"),
+        (|o| o.edge_length = Some(f64::NAN), "edge length NaN is"),
+        (|o| o.azimuth_zero = Some(DVec3::ONE), "1,1,1 has no"),
+        (|o| o.azimuth_zero = Some(DVec3::ZERO), "0,0,0 has no"),
+        (|o| o.lattice = Some([DVec3::X, DVec3::Y]), "off the plane"),
     ];
-    for (options, part) in cases {
-        let message = load_cell(&folder("good/binary.glb"), &options)
+    for (change, part) in cases {
+        let message = load_cell(&folder("good/binary.glb"), &options(change))
             .expect_err("a bad option")
             .to_string();
         assert!(message.contains(part), "{message}");
@@ -194,21 +161,9 @@ fn a_mesh_can_say_that_it_is_hollow() {
     assert_eq!(cell.refractive_index, None);
 }
 
-/// Comparison of the facets of two cells as sets of vertex sets; file order and first corners do
-/// not matter.
-fn same_facets(a: &Cell, b: &Cell, tolerance: f64) -> bool {
-    let near = |f: &[DVec3; 3], g: &[DVec3; 3]| {
-        (0..3).any(|k| (0..3).all(|i| f[i].distance(g[(i + k) % 3]) <= tolerance))
-    };
-    a.facets.len() == b.facets.len() && a.facets.iter().all(|f| b.facets.iter().any(|g| near(f, g)))
-}
-
 #[test]
 fn every_good_file_is_its_cell() {
-    let design = |shape| {
-        let mesh = Design::new(shape).mesh().expect("a design");
-        normalise(&mesh, Path::new("design"), &CellOptions::default()).expect("a cell")
-    };
+    let design = |shape| cell(&mesh(shape));
     let (single, pair, full) = (
         design(Shape::Triangular),
         design(Shape::TriangularPair),

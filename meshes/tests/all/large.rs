@@ -1,15 +1,12 @@
 //! Meshes of many cubes, and cubes of many triangles.
 
-use std::path::Path;
 use std::time::Instant;
 
 use glam::DVec3;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, Error, Mesh, normalise};
+use meshes::{CellOptions, Mesh};
 
-fn cell(mesh: &Mesh, options: &CellOptions) -> Result<Cell, Error> {
-    normalise(mesh, Path::new("mesh"), options)
-}
+use crate::cells::{cell, options, with};
 
 /// Sheet of `across` x `across` pairs side by side, each with vertices of its own.
 fn patch(across: u32) -> Mesh {
@@ -41,7 +38,7 @@ fn a_patch_of_two_thousand_cubes_normalises() {
     let across = 32;
     let mesh = patch(across);
     let start = Instant::now();
-    let cell = cell(&mesh, &CellOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let cell = cell(&mesh);
     println!(
         "{} cubes in {:.1} ms",
         2 * across * across,
@@ -103,10 +100,10 @@ fn finely_triangulated_facets_keep_their_apex() {
         (Shape::FullCube, 40),
     ] {
         let mesh = Design::new(shape).mesh().expect("a design");
-        let coarse = cell(&mesh, &CellOptions::default()).expect("a cell");
+        let coarse = cell(&mesh);
         let fine = refined(&mesh, parts, |p| p);
         let start = Instant::now();
-        let found = cell(&fine, &CellOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let found = cell(&fine);
         println!(
             "{} triangles in {:.0} ms",
             fine.triangles.len(),
@@ -144,8 +141,7 @@ fn slightly_curved_facets_keep_their_apex() {
         let rise = 0.01 * (1.0 - (x + y + z) / 3.0).max(0.0);
         p + DVec3::new(y * z, z * x, x * y) * rise
     };
-    let found = cell(&refined(&mesh, 60, bulge), &CellOptions::default())
-        .unwrap_or_else(|error| panic!("{error}"));
+    let found = cell(&refined(&mesh, 60, bulge));
     assert!((found.edge_length - 3.0).abs() < 1e-14);
     assert!(found.azimuth_zero.distance(DVec3::X) < 1e-14);
     assert_eq!(found.facets.len(), 3 * 3600);
@@ -164,28 +160,17 @@ fn a_cell_without_an_apex_needs_options() {
     let fine = refined(&flat, 21, |p| {
         p - DVec3::Z * (0.2 * p.x * p.y * (3.0 - p.x - p.y))
     });
-    let none = cell(&fine, &CellOptions::default());
+    let none = with(&fine, &CellOptions::default());
     assert!(
         none.as_ref()
             .is_err_and(|e| e.to_string().contains("--edge-length")),
         "{none:?}"
     );
-    let half = cell(
-        &fine,
-        &CellOptions {
-            edge_length: Some(2.0),
-            ..CellOptions::default()
-        },
-    );
+    let half = with(&fine, &options(|o| o.edge_length = Some(2.0)));
     assert!(half.is_err_and(|e| e.to_string().contains("--azimuth-zero")));
     let azimuth_zero = Some(DVec3::new(1.0, -1.0, 0.0));
-    let options = CellOptions {
-        edge_length: Some(2.0),
-        azimuth_zero,
-        ..CellOptions::default()
-    };
-    let found = cell(&fine, &options);
-    let found = found.unwrap_or_else(|error| panic!("{error}"));
+    let both = options(|o| (o.edge_length, o.azimuth_zero) = (Some(2.0), azimuth_zero));
+    let found = with(&fine, &both).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!((found.edge_length, found.entrance.polygon.len()), (2.0, 3));
     assert!((found.entrance.height - 0.1).abs() < 1e-15);
     let lowest = found

@@ -3,6 +3,7 @@
 
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 
+mod cells;
 mod damaged;
 mod designs;
 mod digits;

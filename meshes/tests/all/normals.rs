@@ -1,11 +1,11 @@
 //! Normals at the corners of facets: equal from every kind of file, and refused if they make no
 //! sense.
 
-use std::path::Path;
-
 use glam::DVec3;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, Error, Mesh, gltf, normalise, obj, write};
+use meshes::{Cell, CellOptions, Mesh, gltf, obj, write};
+
+use crate::cells::with as cell;
 
 const NORMALS: CellOptions = CellOptions {
     lattice: None,
@@ -23,10 +23,6 @@ fn curved(shape: Shape) -> Mesh {
         ..Design::new(shape)
     };
     design.mesh().expect("a design")
-}
-
-fn cell(mesh: &Mesh, options: &CellOptions) -> Result<Cell, Error> {
-    normalise(mesh, Path::new("mesh.obj"), options)
 }
 
 /// Corners of all facets with the normals there.

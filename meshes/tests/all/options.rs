@@ -1,20 +1,16 @@
 //! Options of the user take precedence over the file.
 
-use std::path::Path;
-
 use glam::{DQuat, DVec3};
-use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, Mesh, normalise};
+use meshes::design::Shape;
+use meshes::{Cell, CellOptions, Mesh};
+
+use crate::cells::{mesh, options, with};
 
 /// Rounding of a few operations on numbers up to 2.
 const ROUNDING: f64 = 4e-15;
 
-fn mesh(shape: Shape) -> Mesh {
-    Design::new(shape).mesh().expect("a design")
-}
-
-fn cell(mesh: &Mesh, options: CellOptions) -> Cell {
-    normalise(mesh, Path::new("mesh"), &options).unwrap_or_else(|error| panic!("{error}"))
+fn cell(mesh: &Mesh, change: impl FnOnce(&mut CellOptions)) -> Cell {
+    with(mesh, &options(change)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -22,7 +18,7 @@ fn azimuth_zero_turns_the_cell_about_its_normal() {
     let mut cases = 0;
     for shape in Shape::ALL {
         let mesh = mesh(shape);
-        let plain = cell(&mesh, CellOptions::default());
+        let plain = cell(&mesh, |_| ());
         for degrees in [-170.0_f64, -60.0, 0.0, 15.0, 90.0, 120.0] {
             // A direction in the file that lies at this azimuth of the plain cell, and also out of
             // the sheet's plane. The frame of the plain cell in the file follows from its first
@@ -30,13 +26,7 @@ fn azimuth_zero_turns_the_cell_about_its_normal() {
             let n = plain_normal(&mesh, &plain);
             let x = (plain.azimuth_zero - n * n.dot(plain.azimuth_zero)).normalize();
             let direction = DQuat::from_axis_angle(n, degrees.to_radians()) * x * 7.0 + n * 3.0;
-            let turned = cell(
-                &mesh,
-                CellOptions {
-                    azimuth_zero: Some(direction),
-                    ..CellOptions::default()
-                },
-            );
+            let turned = cell(&mesh, |o| o.azimuth_zero = Some(direction));
             assert!(turned.azimuth_zero.distance(direction.normalize()) < ROUNDING);
             let back = DQuat::from_rotation_z(-degrees.to_radians());
             for (found, expected) in turned
@@ -74,15 +64,9 @@ fn edge_length_is_the_unit() {
         edge_length: Some(5.0),
         ..mesh(Shape::TriangularPair)
     };
-    let stated = cell(&mesh, CellOptions::default());
+    let stated = cell(&mesh, |_| ());
     assert_eq!(stated.edge_length, 5.0);
-    let given = cell(
-        &mesh,
-        CellOptions {
-            edge_length: Some(6.0),
-            ..CellOptions::default()
-        },
-    );
+    let given = cell(&mesh, |o| o.edge_length = Some(6.0));
     assert_eq!(given.edge_length, 6.0);
     assert!((given.entrance.height - 0.5 / 3_f64.sqrt()).abs() < ROUNDING);
 }
@@ -100,13 +84,7 @@ fn any_basis_of_the_lattice_is_right_handed_and_covers_one_cell() {
         [a + b, b],
         [a, b - a * 3.0],
     ] {
-        let found = cell(
-            &mesh,
-            CellOptions {
-                lattice: Some(lattice),
-                ..CellOptions::default()
-            },
-        );
+        let found = cell(&mesh, |o| o.lattice = Some(lattice));
         let [u, v] = found.entrance.lattice.expect("periodic");
         assert!((u.perp_dot(v) - 3_f64.sqrt()).abs() < ROUNDING);
         let p = &found.entrance.polygon;
@@ -128,13 +106,7 @@ fn any_basis_of_the_lattice_is_right_handed_and_covers_one_cell() {
 fn gaps_between_cells_are_told() {
     let mesh = mesh(Shape::FullCube);
     let [a, b] = mesh.lattice.expect("periodic");
-    let found = cell(
-        &mesh,
-        CellOptions {
-            lattice: Some([a * 2.0, b]),
-            ..CellOptions::default()
-        },
-    );
+    let found = cell(&mesh, |o| o.lattice = Some([a * 2.0, b]));
     assert!(
         found.warnings.len() == 1 && found.warnings[0].contains("0.500000"),
         "{:?}",
@@ -145,9 +117,9 @@ fn gaps_between_cells_are_told() {
 #[test]
 fn an_inverted_periodic_cell_is_turned_over() {
     let mut mesh = mesh(Shape::FullCube);
-    let plain = cell(&mesh, CellOptions::default());
+    let plain = cell(&mesh, |_| ());
     mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    let found = cell(&mesh, CellOptions::default());
+    let found = cell(&mesh, |_| ());
     assert_eq!(
         (found.facets, found.entrance),
         (plain.facets, plain.entrance)
@@ -160,9 +132,7 @@ fn an_inverted_periodic_cell_is_turned_over() {
 #[test]
 fn another_edge_length_than_that_of_the_mesh_is_told() {
     let measured = mesh(Shape::TriangularPair);
-    let own = normalise(&measured, Path::new("mesh"), &CellOptions::default())
-        .expect("a cell")
-        .edge_length;
+    let own = cell(&measured, |_| ()).edge_length;
     let stated = Mesh {
         edge_length: Some(own),
         ..measured.clone()
@@ -178,11 +148,7 @@ fn another_edge_length_than_that_of_the_mesh_is_told() {
             (1.2, true),
         ] {
             let edge_length = factor * own;
-            let options = CellOptions {
-                edge_length: Some(edge_length),
-                ..CellOptions::default()
-            };
-            let warnings = cell(mesh, options).warnings;
+            let warnings = cell(mesh, |o| o.edge_length = Some(edge_length)).warnings;
             let warned = |text: &String| text.contains(&format!("--edge-length is {edge_length},"));
             assert_eq!(
                 warnings.iter().any(warned),

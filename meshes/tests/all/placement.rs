@@ -1,17 +1,12 @@
 //! A cell does not depend on position, size and order of its mesh in the file.
 
-use std::path::Path;
-
 use glam::{DQuat, DVec3};
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, Mesh, normalise, obj, write};
+use meshes::{Cell, Mesh, obj, write};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 
-fn cell(mesh: &Mesh) -> Cell {
-    normalise(mesh, Path::new("mesh"), &CellOptions::default())
-        .unwrap_or_else(|error| panic!("{error}"))
-}
+use crate::cells::{cell, same_facets};
 
 /// Mesh with its vertices and triangles in another order, and with other first corners.
 fn shuffled(mesh: &Mesh, seed: u64) -> Mesh {
@@ -81,13 +76,6 @@ fn distance(a: &Cell, b: &Cell) -> f64 {
     facets
         .chain(entrance)
         .fold((a.entrance.height - b.entrance.height).abs(), f64::max)
-}
-
-fn same_facets(a: &Cell, b: &Cell, tolerance: f64) -> bool {
-    let near = |f: &[DVec3; 3], g: &[DVec3; 3]| {
-        (0..3).any(|k| (0..3).all(|i| f[i].distance(g[(i + k) % 3]) <= tolerance))
-    };
-    a.facets.len() == b.facets.len() && a.facets.iter().all(|f| b.facets.iter().any(|g| near(f, g)))
 }
 
 /// Random rigid placement, scale 1e-6 to 1e6, offset up to 1e6 edge lengths, vertex order; dihedral

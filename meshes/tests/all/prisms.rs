@@ -1,16 +1,11 @@
 //! Closed prisms: the front face comes off, whatever its triangles, and the mirror facets are those
 //! of the hollow cell.
 
-use std::path::Path;
-
 use glam::DVec3;
+use meshes::Mesh;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, Mesh, normalise};
 
-fn cell(mesh: &Mesh) -> Cell {
-    normalise(mesh, Path::new("prism"), &CellOptions::default())
-        .unwrap_or_else(|error| panic!("{error}"))
-}
+use crate::cells::cell;
 
 /// Hollow cell wound outward, closed by a fan from the middle of its rim, by two triangles, or by
 /// one.

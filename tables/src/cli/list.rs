@@ -5,20 +5,6 @@ use std::ops::{Bound, RangeBounds};
 /// Largest number of values in a list.
 pub const LONGEST_LIST: usize = 10_000;
 
-/// Reason why a text is no list of numbers.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum ListError {
-    /// Part of the text that is no finite number.
-    #[error("\"{0}\" is not a number; write 0,5,10 or start:stop:step")]
-    Number(String),
-    /// Range with more or fewer than three parts.
-    #[error("a range has three parts, start:stop:step")]
-    Parts,
-    /// Range without values, or with more than [`LONGEST_LIST`].
-    #[error("a range needs stop >= start and a step > 0 (at most {LONGEST_LIST} values)")]
-    Range,
-}
-
 /// Reads one number.
 ///
 /// # Errors
@@ -87,19 +73,22 @@ fn words(bounds: &impl RangeBounds<usize>) -> String {
 /// three.
 ///
 /// # Errors
-/// Returns [`ListError::Number`] if a part is no finite number, [`ListError::Parts`] if a range has
-/// more or fewer than three parts, and [`ListError::Range`] if it has no values or too many.
-pub fn list(text: &str) -> Result<Vec<f64>, ListError> {
+/// Returns a message for clap if a part is no finite number, if a range does not have three parts,
+/// or if it has no values or too many.
+pub fn list(text: &str) -> Result<Vec<f64>, String> {
     let number = |part: &str| match part.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(ListError::Number(part.trim().to_owned())),
+        _ => Err(format!(
+            "\"{}\" is not a number; write 0,5,10 or start:stop:step",
+            part.trim()
+        )),
     };
     if !text.contains(':') {
         return text.split(',').map(number).collect();
     }
     let parts: Vec<f64> = text.split(':').map(number).collect::<Result<_, _>>()?;
     let [start, stop, step] = parts[..] else {
-        return Err(ListError::Parts);
+        return Err("a range has three parts, start:stop:step".into());
     };
     let count = (stop - start) / step;
     // Each typed number is off by half a unit in the last place, and each operation adds half a
@@ -109,7 +98,9 @@ pub fn list(text: &str) -> Result<Vec<f64>, ListError> {
     let rounding = f64::EPSILON * ((start.abs() + stop.abs()) / step + 3.0 * count);
     let steps = (count + rounding).floor();
     if !(step > 0.0 && (0.0..LONGEST_LIST as f64).contains(&steps)) {
-        return Err(ListError::Range);
+        return Err(format!(
+            "a range needs stop >= start and a step > 0 (at most {LONGEST_LIST} values)"
+        ));
     }
     Ok((0..=steps as u32)
         .map(|i| start + f64::from(i) * step)
@@ -171,15 +162,20 @@ mod tests {
 
     #[test]
     fn what_is_no_list_says_why() {
-        let part = |text: &str| Err(ListError::Number(text.into()));
         assert_eq!(list("30, 0,15"), Ok(vec![30.0, 0.0, 15.0]));
-        assert_eq!(list("1,,2"), part(""));
-        assert_eq!(list("1,inf"), part("inf"));
-        assert_eq!(list("0:x:1"), part("x"));
-        assert_eq!(list("0:1"), Err(ListError::Parts));
-        assert_eq!(list("0:1:0"), Err(ListError::Range));
-        assert_eq!(list("1:0:1"), Err(ListError::Range));
-        assert_eq!(list("0:1:-1"), Err(ListError::Range));
-        assert_eq!(list("0:1e9:1"), Err(ListError::Range));
+        let cases = [
+            ("1,,2", "\"\" is not"),
+            ("1,inf", "\"inf\" is not"),
+            ("0:x:1", "\"x\" is not"),
+            ("0:1", "three parts"),
+            ("0:1:0", "step > 0"),
+            ("1:0:1", "stop >= start"),
+            ("0:1:-1", "step > 0"),
+            ("0:1e9:1", "at most 10000"),
+        ];
+        for (text, reason) in cases {
+            let said = list(text).unwrap_err();
+            assert!(said.contains(reason), "{text}: {said}");
+        }
     }
 }

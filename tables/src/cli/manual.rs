@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Command;
 use clap_complete::Shell;
 
-use crate::cli::error::Error;
 use crate::cli::terminal::print;
+use crate::error::Error;
 use crate::file::output::Outputs;
 
 /// Returns the text behind `--version`: the version, and the commit if the build knew it.
@@ -49,13 +49,12 @@ impl Manual {
     /// Writes the pages of `program` and its verbs, and prints the names of the files.
     ///
     /// # Errors
-    /// Returns [`Error::Folder`] if the folder cannot be made, [`Error::Output`] if a page cannot
-    /// be written, and [`Error::Stdout`] if a page cannot be rendered or the names cannot be
-    /// printed.
+    /// Returns an [`Error`] if the folder cannot be made, if a page cannot be written or rendered,
+    /// or if the names cannot be printed.
     pub fn run(&self, mut program: Command) -> Result<(), Error> {
-        std::fs::create_dir_all(&self.folder).map_err(|source| Error::Folder {
-            folder: self.folder.clone(),
-            source,
+        std::fs::create_dir_all(&self.folder).map_err(|error| {
+            let fault = format!("the folder cannot be made ({error})");
+            Error::file(&self.folder, fault, "name a folder that can")
         })?;
         // Gives every verb its full name (`bake trace`), which its page shows.
         program.build();

@@ -3,10 +3,9 @@
 //! They are lists of numbers, formats of plots, outputs that are reserved before the work, threads,
 //! printing, completions and manual pages.
 //!
-//! Text that a user typed enters. Numbers, reserved outputs or one [`Error`] leave. This room
+//! Text that a user typed enters. Numbers, reserved outputs or one [`crate::Error`] leave. This room
 //! writes to the terminal, which no other room of this crate does. It may touch [`crate::Outputs`].
 
-mod error;
 mod list;
 mod manual;
 mod plot_format;
@@ -14,12 +13,11 @@ mod terminal;
 mod threads;
 mod usage;
 
-pub use crate::cli::error::Error;
-pub use crate::cli::list::{LONGEST_LIST, ListError, list, number, whole};
+pub use crate::cli::list::{LONGEST_LIST, list, number, whole};
 pub use crate::cli::manual::{Completions, Manual, version};
 pub use crate::cli::plot_format::PlotFormat;
 pub use crate::cli::terminal::{
     deliver, fail, in_a_line, note, print, reserve, reserve_plot, warn,
 };
-pub use crate::cli::threads::{NoThreads, pool};
+pub use crate::cli::threads::pool;
 pub use crate::cli::usage::{Refused, parsed, sentence};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::cli::error::Error;
+use crate::error::Error;
 
 /// File format of a plot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

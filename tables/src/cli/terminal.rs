@@ -5,8 +5,8 @@ use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 
-use crate::cli::error::Error;
 use crate::cli::plot_format::PlotFormat;
+use crate::error::Error;
 use crate::file::output::{Output, Outputs};
 
 /// Returns whether a character steers a terminal, ends a line or turns the direction of writing.
@@ -74,11 +74,10 @@ pub fn print(text: &str) -> Result<(), Error> {
 /// Writes a result to the file that was reserved for it, or prints it if there is none.
 ///
 /// # Errors
-/// Returns [`Error::Output`] if the file cannot be written, and [`Error::Stdout`] if standard
-/// output cannot be written.
+/// Returns an [`Error`] if the file or standard output cannot be written.
 pub fn deliver(text: &str, output: Option<Output>) -> Result<(), Error> {
     match output {
-        Some(output) => Ok(output.commit(text.as_bytes())?),
+        Some(output) => output.commit(text.as_bytes()),
         None => print(text),
     }
 }
@@ -107,16 +106,16 @@ pub fn note(remark: impl Display) {
 /// Reserves the file that was asked for, if any.
 ///
 /// # Errors
-/// Returns [`Error::Output`] if the file cannot be written, is an input, or is named twice.
+/// Returns an [`Error`] if the file cannot be written, is an input, or is named twice.
 pub fn reserve(file: Option<&Path>, outputs: &mut Outputs) -> Result<Option<Output>, Error> {
-    Ok(file.map(|file| outputs.reserve(file)).transpose()?)
+    file.map(|file| outputs.reserve(file)).transpose()
 }
 
 /// Reserves the file of the plot that was asked for, if any.
 ///
 /// # Errors
 /// Returns [`Error::PlotExtension`] if the extension is neither .png nor .svg, which is checked
-/// first, and [`Error::Output`] if the file cannot be written, is an input, or is named twice.
+/// first, and the errors of [`reserve`].
 pub fn reserve_plot<'a>(
     file: Option<&'a Path>,
     outputs: &mut Outputs,

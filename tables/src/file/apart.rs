@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use crate::error::error::Error;
+use crate::error::Error;
 use crate::file::here::{here, opened};
 use crate::file::reader::{OTHER_VERSION, Protection, TABLE, VERSION};
 use crate::file::{ledger, limits, received};
@@ -109,14 +109,18 @@ pub fn read(path: &Path) -> Result<Reading, Error> {
 /// Starts the reader, reads its answer and waits for its end.
 fn ask(path: &Path, program: &Path) -> Result<Reading, Error> {
     let (file, bytes) = opened(path)?;
-    let failed = |what: String| Error::Apart {
-        file: path.to_owned(),
-        what,
+    let failed = |what: String| {
+        let fault = format!("the process that reads it with the HDF5 library {what}");
+        let remedy = "the file is damaged or was made to do harm, copy it again or bake it again";
+        Error::file(path, format!("cannot be read: {fault}"), remedy)
     };
-    let unusable = |what: String| Error::Reader {
-        file: path.to_owned(),
-        reader: program.to_owned(),
-        what,
+    let unusable = |what: String| {
+        let program = program.display();
+        let fault =
+            format!("{program}, the program that opens tables for `bake` and `fit`, {what}");
+        let remedy =
+            "put it beside this program, with `make install` or `cargo install --path reader`";
+        Error::file(path, format!("cannot be read: {fault}"), remedy)
     };
     let mut child = Command::new(program)
         .arg(VERSION)

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-use crate::error::error::Error;
+use crate::error::{BAKE_LESS, COPY_AGAIN, Error, NAME_A_TABLE};
 use crate::file::seal::Seal;
 use crate::file::{heap, layout, ledger, library, seal};
 use crate::table::table::Table;
@@ -40,15 +40,13 @@ pub fn read_held(bytes: &[u8], name: &Path) -> Result<Table, Error> {
 /// Nothing else is opened: a pipe would wait for its writer, a device may do so.
 ///
 /// # Errors
-/// Returns [`Error::Open`] if the file cannot be opened, [`Error::NotAFile`] if it is no regular
-/// file, and [`Error::FileSize`] if it is longer than any table.
+/// Returns an [`Error`] if the file cannot be opened, is no regular file, or is longer than any
+/// table.
 pub(crate) fn opened(path: &Path) -> Result<(File, u64), Error> {
-    let failed = |source| Error::Open {
-        file: path.to_owned(),
-        source,
-    };
-    let not_a_file = || Error::NotAFile {
-        file: path.to_owned(),
+    let failed = |error| unreadable(path, &error);
+    let not_a_file = || {
+        let remedy = "name a table such as table.h5";
+        Error::file(path, "is not a regular file", remedy)
     };
     if !std::fs::metadata(path).map_err(failed)?.is_file() {
         return Err(not_a_file());
@@ -61,19 +59,22 @@ pub(crate) fn opened(path: &Path) -> Result<(File, u64), Error> {
     }
     let bytes = metadata.len();
     if bytes > MOST_BYTES {
-        return Err(Error::FileSize {
-            file: path.to_owned(),
-            bytes,
-            limit: MOST_BYTES,
-        });
+        let fault = format!("is {bytes} bytes, above the limit of {MOST_BYTES}");
+        return Err(Error::file(path, fault, BAKE_LESS));
     }
     Ok((file, bytes))
+}
+
+/// Makes the error of a file that the system does not let this program read.
+fn unreadable(path: &Path, error: &io::Error) -> Error {
+    let fault = format!("cannot be read ({error})");
+    Error::file(path, fault, "check the name and the permissions")
 }
 
 /// Reads at most `bytes` bytes of a file into memory; `name` is for messages.
 ///
 /// # Errors
-/// Returns [`Error::Open`] if the file cannot be read, or if there is no memory for it.
+/// Returns an [`Error`] if the file cannot be read, or if there is no memory for it.
 pub(crate) fn content(file: impl Read, bytes: u64, name: &Path) -> Result<Vec<u8>, Error> {
     let read = || {
         let mut content = Vec::new();
@@ -81,10 +82,7 @@ pub(crate) fn content(file: impl Read, bytes: u64, name: &Path) -> Result<Vec<u8
         file.take(bytes).read_to_end(&mut content)?;
         io::Result::Ok(content)
     };
-    read().map_err(|source| Error::Open {
-        file: name.to_owned(),
-        source,
-    })
+    read().map_err(|error| unreadable(name, &error))
 }
 
 /// Makes a table from the bytes of a file; `name` is for messages.
@@ -95,19 +93,15 @@ pub(crate) fn content(file: impl Read, bytes: u64, name: &Path) -> Result<Vec<u8
 pub(crate) fn table(content: Vec<u8>, name: &Path) -> Result<Table, Error> {
     guard(&content, name)?;
     ledger::confine(content.len() as u64);
-    let file = library::open(content).map_err(|source| Error::Hdf5 {
-        file: name.to_owned(),
-        place: "file".to_owned(),
-        source,
-    })?;
+    let file = library::open(content).map_err(|error| Error::hdf5(name, "file", &error))?;
     let (table, stored) = layout::load(&file, name)?;
     let computed = table.content_hash();
     if stored != computed {
-        return Err(Error::ContentHash {
-            file: name.to_owned(),
-            stored,
-            computed,
-        });
+        return Err(Error::file(
+            name,
+            format!("the content has hash {computed}, but attribute content_hash says {stored}"),
+            "it was changed after the bake, copy it again or bake it again",
+        ));
     }
     Ok(table)
 }
@@ -116,23 +110,20 @@ pub(crate) fn table(content: Vec<u8>, name: &Path) -> Result<Table, Error> {
 fn guard(content: &[u8], name: &Path) -> Result<(), Error> {
     let whole = content.len();
     let Some(content) = without_user_block(content) else {
-        return Err(Error::NotHdf5 {
-            file: name.to_owned(),
-            bytes: whole as u64,
-        });
+        let fault = format!("is not an HDF5 file ({whole} bytes, without the HDF5 signature)");
+        return Err(Error::file(name, fault, NAME_A_TABLE));
     };
     if let Seal::Broken { stored, computed } = seal::check(content) {
-        return Err(Error::Damaged {
-            file: name.to_owned(),
-            stored,
-            computed,
-        });
+        let fault =
+            format!("is damaged (its bytes have SHA-256 {computed}, its seal says {stored})");
+        return Err(Error::file(name, fault, COPY_AGAIN));
     }
     match heap::first_broken(content) {
-        Some(offset) => Err(Error::Heap {
-            file: name.to_owned(),
-            offset: whole - content.len() + offset,
-        }),
+        Some(offset) => {
+            let at = whole - content.len() + offset;
+            let fault = format!("is damaged (the HDF5 global heap at byte {at} does not add up)");
+            Err(Error::file(name, fault, COPY_AGAIN))
+        }
         None => Ok(()),
     }
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use crate::error::error::Error;
+use crate::error::Error;
 use crate::file::limits;
 
 /// Number of bytes of content that any file may claim.
@@ -47,16 +47,20 @@ impl Ledger {
     /// Adds an array to the claims, before memory is allocated for it.
     ///
     /// # Errors
-    /// Returns [`Error::Inflated`] if the claims exceed what a file of this length may hold.
+    /// Returns an [`Error`] if the claims exceed what a file of this length may hold.
     pub(crate) fn enter(&self, file: &Path, bytes: u64) -> Result<(), Error> {
         let claimed = self.claimed.get().saturating_add(bytes);
         self.claimed.set(claimed);
         if claimed > most_content(self.file_bytes) {
-            return Err(Error::Inflated {
-                file: file.to_owned(),
-                claimed,
-                bytes: self.file_bytes,
-            });
+            let bytes = self.file_bytes;
+            return Err(Error::file(
+                file,
+                format!(
+                    "claims {claimed} bytes of content in a file of {bytes}, as a decompression \
+                    bomb does"
+                ),
+                "if you trust it, store it uncompressed with `h5repack -f NONE`",
+            ));
         }
         grant(self.file_bytes, claimed);
         Ok(())

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use crate::error::output::OutputError;
+use crate::error::Error;
 use crate::file::{limits, partial};
 
 /// Output file whose place is reserved.
@@ -26,49 +26,51 @@ impl Output {
     /// runs of this machine left in the folder are removed.
     ///
     /// # Errors
-    /// Returns [`OutputError::Dash`] for the name `-`, [`OutputError::DeadLink`] for a link that
-    /// leads nowhere, [`OutputError::NotAFile`] if the path names a folder, a pipe or a device,
-    /// [`OutputError::Protected`] if the file there is write-protected, and [`OutputError::Folder`]
-    /// if its folder takes no file.
-    pub fn reserve(path: &Path) -> Result<Output, OutputError> {
-        let file = || path.to_owned();
+    /// Returns an [`Error`] for the name `-`, for a link that leads nowhere, if the path names a
+    /// folder, a pipe or a device, if the file there is write-protected, or if its folder takes no
+    /// file.
+    pub fn reserve(path: &Path) -> Result<Output, Error> {
+        let folder = |error: io::Error| {
+            let fault = format!("cannot be written: its folder takes no file ({error})");
+            let remedy = "choose another output, or make the folder and allow writing";
+            Error::file(path, fault, remedy)
+        };
+        let irregular = || {
+            let remedy = "name another file, or move it away";
+            Error::file(path, "is not a regular file and cannot be replaced", remedy)
+        };
         if path == Path::new("-") {
-            return Err(OutputError::Dash);
+            let remedy = "name a file, such as result.json, or ./- for a file of this name";
+            return Err(Error::file(path, "is no name of a file here", remedy));
         }
         // A name that is too long is told here. The trial below has a short one.
         match fs::symlink_metadata(path) {
             Ok(found) if found.is_symlink() && !path.exists() => {
-                return Err(OutputError::DeadLink { file: file() });
+                let remedy = "remove it, or choose another output";
+                return Err(Error::file(path, "is a link that leads nowhere", remedy));
             }
-            Err(source) if source.kind() == io::ErrorKind::InvalidFilename => {
-                return Err(OutputError::Folder {
-                    file: file(),
-                    source,
-                });
+            Err(error) if error.kind() == io::ErrorKind::InvalidFilename => {
+                return Err(folder(error));
             }
             _ => {}
         }
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if let Ok(metadata) = fs::metadata(&target) {
             if !metadata.is_file() {
-                return Err(OutputError::NotAFile { file: file() });
+                return Err(irregular());
             }
             if metadata.permissions().readonly() {
-                return Err(OutputError::Protected { file: file() });
+                let remedy = "choose another output or allow writing";
+                return Err(Error::file(path, "is write-protected", remedy));
             }
         }
         if target.file_name().is_none() {
-            return Err(OutputError::NotAFile { file: file() });
+            return Err(irregular());
         }
         partial::sweep(folder_of(&target));
         // Only a trial can show that a folder takes a file. The trial file is removed at once.
-        match temporary(&target) {
-            Ok(_) => Ok(Output { target }),
-            Err(source) => Err(OutputError::Folder {
-                file: file(),
-                source,
-            }),
-        }
+        temporary(&target).map_err(folder)?;
+        Ok(Output { target })
     }
 
     /// Returns the path of the file to be written.
@@ -79,9 +81,8 @@ impl Output {
     /// Writes a temporary file beside the place, to the disk, and puts it there in one step.
     ///
     /// # Errors
-    /// Returns [`OutputError::Write`] if writing or replacing fails; the old file is then
-    /// unchanged.
-    pub fn commit(self, bytes: &[u8]) -> Result<(), OutputError> {
+    /// Returns an [`Error`] if writing or replacing fails; the old file is then unchanged.
+    pub fn commit(self, bytes: &[u8]) -> Result<(), Error> {
         let put = || {
             room_for(bytes.len() as u64)?;
             let mut file = temporary(&self.target)?;
@@ -90,9 +91,12 @@ impl Output {
             file.persist(&self.target)?;
             io::Result::Ok(())
         };
-        put().map_err(|source| OutputError::Write {
-            file: self.target.clone(),
-            source,
+        put().map_err(|error| {
+            Error::file(
+                &self.target,
+                format!("cannot be written ({error}), what was there before is unchanged"),
+                "free some space or choose another output",
+            )
         })?;
         // The rename itself must survive a power cut. A folder that cannot be opened is no reason
         // to fail now.
@@ -122,9 +126,9 @@ impl Outputs {
     /// Reserves the output for a table, whose name must not promise another kind of file.
     ///
     /// # Errors
-    /// Returns [`OutputError::NotATable`] if the name ends as that of a mesh, a picture, a text or
-    /// a page, and the errors of [`Outputs::reserve`].
-    pub fn reserve_table(&mut self, path: &Path) -> Result<Output, OutputError> {
+    /// Returns an [`Error`] if the name ends as that of a mesh, a picture, a text or a page, and
+    /// the errors of [`Outputs::reserve`].
+    pub fn reserve_table(&mut self, path: &Path) -> Result<Output, Error> {
         const OTHERS: [&str; 20] = [
             "obj", "gltf", "glb", "stl", "ply", "bin", "png", "svg", "exr", "tif", "tiff", "jpg",
             "jpeg", "json", "csv", "toml", "html", "txt", "md", "pdf",
@@ -132,8 +136,8 @@ impl Outputs {
         let output = self.reserve(path)?;
         let extension = path.extension().map(|end| end.to_ascii_lowercase());
         if extension.is_some_and(|end| OTHERS.iter().any(|other| end == *other)) {
-            let file = path.to_owned();
-            return Err(OutputError::NotATable { file });
+            let fault = "is a table, but its name ends as that of another kind of file";
+            return Err(Error::file(path, fault, "name it .h5 or .hdf5"));
         }
         Ok(output)
     }
@@ -141,16 +145,17 @@ impl Outputs {
     /// Reserves one of the outputs.
     ///
     /// # Errors
-    /// Returns [`OutputError::Input`] if the command reads the file, [`OutputError::Twice`] if
-    /// another output has the place, and the errors of [`Output::reserve`].
-    pub fn reserve(&mut self, path: &Path) -> Result<Output, OutputError> {
-        let file = path.to_owned();
+    /// Returns an [`Error`] if the command reads the file, or if another output has the place, and
+    /// the errors of [`Output::reserve`].
+    pub fn reserve(&mut self, path: &Path) -> Result<Output, Error> {
         if let Some(place) = place(path) {
             if self.inputs.contains(&place) {
-                return Err(OutputError::Input { file });
+                let fault = "is an input of this command and would be overwritten";
+                return Err(Error::file(path, fault, "write to another file"));
             }
             if self.reserved.contains(&place) {
-                return Err(OutputError::Twice { file });
+                let fault = "is named for two outputs of this command";
+                return Err(Error::file(path, fault, "give each a file of its own"));
             }
             self.reserved.push(place);
         }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::error::Error;
+use crate::error::Error;
 use crate::file::here::{content, opened};
 use crate::file::seal::Seal;
 use crate::file::{apart, seal};
@@ -20,8 +20,8 @@ use crate::table::table::Table;
 /// another program, and a crash of the library becomes an error here.
 ///
 /// # Errors
-/// Returns an [`Error`] if a check fails. Each check has a variant, which names the file, the
-/// dataset or attribute, and the remedy.
+/// Returns an [`Error`] if a check fails. It names the file, the dataset or attribute, and the
+/// remedy.
 ///
 /// ```
 /// let error = tables::read(std::path::Path::new("Cargo.toml")).unwrap_err();
@@ -37,7 +37,7 @@ pub fn read(path: &Path) -> Result<Table, Error> {
 /// for the content.
 ///
 /// # Errors
-/// Returns [`Error::Open`] if the file cannot be read.
+/// Returns an [`Error`] if the file cannot be read.
 pub fn is_sealed(path: &Path) -> Result<bool, Error> {
     let (file, bytes) = opened(path)?;
     Ok(seal::check(&content(file, bytes, path)?) == Seal::Intact)

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use crate::error::error::Error;
+use crate::error::{BAKE_AGAIN, Error};
 use crate::file::output::Output;
 use crate::file::{layout, scales, seal};
 use crate::table::check;
@@ -13,8 +13,7 @@ use crate::table::table::Table;
 /// Checks the place of the output, then writes a table as [`commit`] does.
 ///
 /// # Errors
-/// Returns [`Error::Output`] if the file cannot be written, and the errors of [`commit`]. An old
-/// file is unchanged then.
+/// Returns the errors of [`Output::reserve`] and of [`commit`]. An old file is unchanged then.
 pub fn write(table: &Table, path: &Path) -> Result<(), Error> {
     commit(table, Output::reserve(path)?)
 }
@@ -22,32 +21,21 @@ pub fn write(table: &Table, path: &Path) -> Result<(), Error> {
 /// Writes a table to the place that was reserved for it; equal tables give equal bytes.
 ///
 /// # Errors
-/// Returns [`Error::Invalid`] if the table breaks a rule, [`Error::Output`] if the disk is full or
-/// the file cannot be replaced, and [`Error::Hdf5`] if the HDF5 library fails. An old file is
-/// unchanged then.
+/// Returns an [`Error`] if the table breaks a rule, if the disk is full, if the file cannot be
+/// replaced, or if the HDF5 library fails. An old file is unchanged then.
 pub fn commit(table: &Table, output: Output) -> Result<(), Error> {
     let bytes = image(table, output.path())?;
-    Ok(output.commit(&bytes)?)
+    output.commit(&bytes)
 }
 
 /// Returns the bytes of a table's file; `name` is for messages.
 pub(crate) fn image(table: &Table, name: &Path) -> Result<Vec<u8>, Error> {
-    check::check(table).map_err(|source| Error::Invalid {
-        file: name.to_owned(),
-        source,
-    })?;
-    let place = |place: &str| {
-        let place = place.to_owned();
-        move |source| Error::Hdf5 {
-            file: name.to_owned(),
-            place,
-            source,
-        }
-    };
-    let file = layout::create().map_err(place("file"))?;
-    layout::store(table, &file).map_err(place("table"))?;
-    file.flush().map_err(place("file"))?;
-    let mut bytes = scales::image(&file).map_err(place("file"))?;
+    check::check(table).map_err(|broken| Error::file(name, broken, BAKE_AGAIN))?;
+    let failed = |error| Error::hdf5(name, "file", &error);
+    let file = layout::create().map_err(failed)?;
+    layout::store(table, &file).map_err(|error| Error::hdf5(name, "table", &error))?;
+    file.flush().map_err(failed)?;
+    let mut bytes = scales::image(&file).map_err(failed)?;
     seal::append(&mut bytes);
     Ok(bytes)
 }

@@ -624,21 +624,15 @@ mod tests {
         around.collect()
     }
 
-    /// Known retroreflected shares of the hollow cube, with incidence and azimuth in degrees.
-    const KNOWN: [(f64, f64, f64); 12] = [
-        (10.0, 0.0, 0.62521),
-        (20.0, 0.0, 0.49003),
-        (30.0, 0.0, 0.22222),
-        (30.0, 30.0, 0.26035),
-        (30.0, 60.0, 0.31126),
-        (35.0, 0.0, 0.01295),
-        (40.0, 60.0, 0.14700),
-        (45.0, 60.0, 0.07625),
-        (40.0, 0.0, 0.0),
-        (40.0, 30.0, 0.0),
-        (45.0, 0.0, 0.0),
-        (45.0, 90.0, 0.0),
-    ];
+    include!("../../../tests/eta.rs");
+
+    /// Returns the known shares of the hollow cube up to 45 degrees.
+    fn known() -> Vec<(f64, f64, f64)> {
+        let within = |&(incidence, azimuth, _): &(f64, f64, f64)| {
+            (1.0..=45.0).contains(&incidence) && !azimuth.is_nan()
+        };
+        known_eta("cube").into_iter().filter(within).collect()
+    }
 
     /// Checks an ideal cube between few directions.
     ///
@@ -649,7 +643,7 @@ mod tests {
         let whole = area(&triangle());
         let nodes = nodes(&[0.0, 15.0, 28.0], 60.0, &[0.0]);
         let mut cases = 0;
-        for (incidence, azimuth, eta) in KNOWN {
+        for (incidence, azimuth, eta) in known() {
             let paths = paths(&nodes, tau(incidence, azimuth), 0.0, 1.0).unwrap();
             let found: f64 = paths.iter().map(|path| area(&path.polygon)).sum();
             // The figures are rounded to 5 digits.
@@ -943,57 +937,5 @@ mod tests {
     fn square(half: f64, turn: f64) -> Vec<[f64; 2]> {
         let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
         corners.map(|p| turned(p, turn)).to_vec()
-    }
-
-    /// The sides of a square move out by 0.2 times the speed. Up to a speed of 4 the two squares
-    /// are one path, whose sides lie in the middle. Beyond it they are two paths. Each is then
-    /// absent in one of both directions, and has half of the weight.
-    #[test]
-    fn a_line_moves_by_four_for_each_unit_of_tau_and_no_further() {
-        for (speed, expected) in [
-            (3.99, vec![(1.399_f64, 1.0)]),
-            (4.01, vec![(1.0, 0.5), (1.802, 0.5)]),
-        ] {
-            let nodes = two(0.1, [square(1.0, 0.0), square(1.0 + 0.2 * speed, 0.0)]);
-            let found = paths(&nodes, [0.0, 0.3], 0.0, 1.0).unwrap();
-            let mut found: Vec<(f64, f64)> = found.iter().map(|p| (p.area(), p.weight)).collect();
-            found.sort_by(|a, b| a.0.total_cmp(&b.0));
-            assert_eq!(found.len(), expected.len(), "{speed}");
-            for ((area, weight), (half, share)) in found.into_iter().zip(expected) {
-                // The cuts of the square round by an ulp of 1000, the size of the first frame.
-                assert!((area - 4.0 * half * half).abs() < 1e-11, "{speed}: {area}");
-                assert!((weight - share).abs() < 1e-15, "{speed}: {weight}");
-            }
-        }
-    }
-
-    /// A square that turns by w keeps its four sides if their unit normals move by less than 0.3.
-    /// In the middle the mean of two normals has the length cos(w/2), so that the sides lie 1 /
-    /// cos(w/2) from the centre. If the normals move by more, all eight sides are lines of their
-    /// own. In the other direction each touches the square at its corner, at cos(w) + sin(w). An
-    /// octagon about a circle of radius r with the turns w and pi/2 - w has the area 4 r^2
-    /// (tan(w/2) + tan(pi/4 - w/2)).
-    #[test]
-    fn a_line_turns_by_three_tenths_and_no_further() {
-        for (normals_apart, keeps) in [(0.299_f64, true), (0.301, false)] {
-            let turn = 2.0 * (0.5 * normals_apart).asin();
-            let nodes = two(0.5, [square(1.0, 0.0), square(1.0, turn)]);
-            let found = paths(&nodes, [0.0, 0.3], 0.0, 1.0).unwrap();
-            assert_eq!(found.len(), 1, "{normals_apart}");
-            let half = 0.5 * turn;
-            let expected = if keeps {
-                4.0 / half.cos().powi(2)
-            } else {
-                let radius = 0.5 * (1.0 + turn.cos() + turn.sin());
-                let turns = half.tan() + (std::f64::consts::FRAC_PI_4 - half).tan();
-                4.0 * radius * radius * turns
-            };
-            let area = found[0].area();
-            // The cuts of the square round by an ulp of 1000, the size of the first frame.
-            assert!(
-                (area - expected).abs() < 1e-11,
-                "{normals_apart}: {area} {expected}"
-            );
-        }
     }
 }

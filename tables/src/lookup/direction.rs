@@ -8,8 +8,7 @@
 
 use ndarray::Array2;
 
-use crate::error::error::Error;
-use crate::error::no_direction::NoDirection;
+use crate::error::Error;
 use crate::lookup::between;
 use crate::lookup::between::Node;
 use crate::lookup::family::{self, Family};
@@ -109,10 +108,9 @@ impl Table {
     /// mean, whatever the azimuth, and without one.
     ///
     /// # Errors
-    /// Returns [`Error::NoDirection`] if the direction lies outside of the angles of the table (the
+    /// Returns [`Error::Direction`] if the direction lies outside of the angles of the table (the
     /// error names the nearest direction that it holds), if `azimuth_deg` is `None` and the table
-    /// is not a mean, or if an angle is not finite. Returns [`Error::ManyCorners`] if there are too
-    /// many polygons to interpolate.
+    /// is not a mean, if an angle is not finite, or if there are too many polygons to interpolate.
     ///
     /// ```
     /// # use ndarray::{Array4, Array5};
@@ -154,31 +152,34 @@ impl Table {
         let asked = if self.axes.is_mean() {
             f64::NAN
         } else {
-            azimuth_deg.ok_or_else(|| NoDirection::AzimuthNeeded {
-                first_deg: azimuths[0],
-                last_deg: azimuths[azimuths.len() - 1],
+            azimuth_deg.ok_or_else(|| {
+                let (first, last) = (azimuths[0], azimuths[azimuths.len() - 1]);
+                Error::Direction(format!(
+                    "the table holds single azimuths ({first} to {last} deg); give azimuth_deg, or \
+                    bake with --azimuth mean"
+                ))
             })?
         };
         if !incidence_deg.is_finite() || !(asked.is_finite() || self.axes.is_mean()) {
-            return Err(NoDirection::NotFinite {
-                incidence_deg,
-                azimuth_deg: asked,
-            }
-            .into());
+            return Err(Error::Direction(format!(
+                "incidence {incidence_deg} deg, azimuth {asked} deg is no direction; give finite \
+                angles"
+            )));
         }
         match self.cell(incidence_deg, asked) {
             Some(cell) => {
                 let corners = cell.corners_between();
                 if corners > MOST_CORNERS {
-                    return Err(Error::ManyCorners {
-                        incidence_deg,
-                        corners,
-                        most: MOST_CORNERS,
-                    });
+                    return Err(Error::Direction(format!(
+                        "incidence {incidence_deg} deg lies between directions of the table that \
+                        have {corners} corners of polygons, above the limit of {MOST_CORNERS} for \
+                        interpolation; name a direction of the table, or bake curved faces by rays \
+                        (--method rays)"
+                    )));
                 }
                 Ok(cell.direction(incidence_deg, asked))
             }
-            None => Err(self.outside(incidence_deg, asked).into()),
+            None => Err(self.outside(incidence_deg, asked)),
         }
     }
 
@@ -251,7 +252,7 @@ impl Table {
     }
 
     /// Makes the error for a direction outside of the table, with the nearest direction.
-    fn outside(&self, incidence_deg: f64, azimuth_deg: f64) -> NoDirection {
+    fn outside(&self, incidence_deg: f64, azimuth_deg: f64) -> Error {
         let nearest = |values: &[f64], distance: &dyn Fn(f64) -> f64| {
             values
                 .iter()
@@ -259,8 +260,7 @@ impl Table {
                 .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
                 .unwrap_or(f64::NAN)
         };
-        let images = self.images();
-        let images = images.iter().map(|image| image.azimuth_deg);
+        let images = self.images().into_iter().map(|image| image.azimuth_deg);
         let azimuths: Vec<f64> = self
             .axes
             .azimuth_deg
@@ -268,14 +268,13 @@ impl Table {
             .copied()
             .chain(images)
             .collect();
-        NoDirection::Outside {
-            incidence_deg,
-            azimuth_deg,
-            nearest_incidence_deg: nearest(&self.axes.incidence_deg, &|x| {
-                (x - incidence_deg).abs()
-            }),
-            nearest_azimuth_deg: nearest(&azimuths, &|x| turn(x - azimuth_deg).abs()),
-        }
+        let incidence = nearest(&self.axes.incidence_deg, &|x| (x - incidence_deg).abs());
+        let azimuth = nearest(&azimuths, &|x| turn(x - azimuth_deg).abs());
+        Error::Direction(format!(
+            "the table does not cover incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; the \
+            nearest direction in it is incidence {incidence} deg, azimuth {azimuth} deg; correct \
+            the angle, or bake the direction"
+        ))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::error::error::Error;
+use crate::error::Error;
 use crate::lookup::direction::Direction;
 use crate::table::deviation::Exits;
 use crate::table::exact::Path;
@@ -37,19 +37,23 @@ impl Direction {
     /// shift.
     ///
     /// # Errors
-    /// Returns [`Error::Astray`] if light would be off by more than a million edge lengths, and
-    /// [`Error::Spread`] if there are too many bins and deviations.
+    /// Returns an [`Error`] if light would be off by more than a million edge lengths, or if there
+    /// are too many bins and deviations.
     pub fn moved(self, per_tangent: [f64; 2]) -> Result<Direction, Error> {
         let edges = self.farthest_move(per_tangent);
         if edges > FARTHEST {
-            return Err(Error::Astray { edges });
+            return Err(Error::Direction(format!(
+                "at this distance and corner size light would be off by {edges:.1e} edge lengths, \
+                above the limit of 1e6; check the distance, and c_mm of the result"
+            )));
         }
         let (probability, range) = match &self.exits {
             Some(exits) if moves(&self.probability, exits) > MOST_MOVES => {
-                return Err(Error::Spread {
-                    incidence_deg: self.incidence_deg,
-                    bins: self.probability.ncols(),
-                });
+                let (incidence_deg, bins) = (self.incidence_deg, self.probability.ncols());
+                return Err(Error::Direction(format!(
+                    "the table spreads the light at incidence {incidence_deg} deg over too many \
+                    bins ({bins} x {bins}) and exit directions; bake it with fewer --bins"
+                )));
             }
             Some(exits) => bins(&self, exits, per_tangent, edges),
             None => (self.probability, self.range),

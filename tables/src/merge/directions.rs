@@ -2,7 +2,8 @@
 
 use ndarray::{Array2, Array3, Array4, Array5, s};
 
-use crate::error::mismatch::Mismatch;
+use crate::error::Error;
+use crate::merge::merge::{differs, gap, overlap};
 use crate::table::axes::Axes;
 use crate::table::deviation::Deviations;
 use crate::table::exact::Exact;
@@ -84,9 +85,9 @@ pub(crate) fn spread(table: &Table, axes: &Axes) -> Table {
 /// Joins exact tables of different directions.
 ///
 /// # Errors
-/// Returns a [`Mismatch`] if entrance areas differ, or if a direction is held by no table or by
+/// Returns a [`Error`] if entrance areas differ, or if a direction is held by no table or by
 /// two.
-pub(crate) fn join(tables: &[Table], axes: Axes) -> Result<Table, Mismatch> {
+pub(crate) fn join(tables: &[Table], axes: Axes) -> Result<Table, Error> {
     let ((n, m), b) = (axes.shape(), axes.bins);
     let mut joined = Table {
         histogram: Array4::zeros((n, m, b, b)),
@@ -109,12 +110,8 @@ pub(crate) fn join(tables: &[Table], axes: Axes) -> Result<Table, Mismatch> {
     let area = |table: &Table| table.exact.as_ref().map(|exact| exact.entrance_area);
     for (index, table) in tables.iter().enumerate() {
         if area(table) != area(&tables[0]) {
-            return Err(Mismatch::Field {
-                field: "entrance_area",
-                index,
-                expected: format!("{:?}", area(&tables[0])),
-                found: format!("{:?}", area(table)),
-            });
+            let [expected, found] = [&tables[0], table].map(|table| format!("{:?}", area(table)));
+            return Err(differs("entrance_area", index, expected, found));
         }
     }
     for (i, j) in all(&joined.axes) {
@@ -123,19 +120,11 @@ pub(crate) fn join(tables: &[Table], axes: Axes) -> Result<Table, Mismatch> {
             .enumerate()
             .filter_map(|(index, table)| Some((index, table, place(table, &joined.axes, (i, j))?)));
         let Some((first, table, (own_i, own_j))) = holders.next() else {
-            return Err(Mismatch::Gap {
-                incidence_deg: joined.axes.incidence_deg[i],
-                azimuth_deg: joined.axes.azimuth_deg[j],
-                seed: 0,
-            });
+            let axes = &joined.axes;
+            return Err(gap(axes.incidence_deg[i], axes.azimuth_deg[j], 0));
         };
         if let Some((second, ..)) = holders.next() {
-            return Err(Mismatch::Overlap {
-                first,
-                second,
-                what: "the exact distribution".into(),
-                direction: (i, j),
-            });
+            return Err(overlap(first, second, "the exact distribution", (i, j)));
         }
         let from = table.histogram.slice(s![own_i, own_j, .., ..]);
         joined.histogram.slice_mut(s![i, j, .., ..]).assign(&from);

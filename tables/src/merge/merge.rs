@@ -13,11 +13,11 @@
 //! All are sums of integers, so the order and the grouping of the merges do not change a bit.
 
 use std::collections::BTreeSet;
+use std::fmt::Display;
 
 use ndarray::{Axis, Zip, concatenate};
 
-use crate::error::error::Error;
-use crate::error::mismatch::Mismatch;
+use crate::error::Error;
 use crate::merge::directions::{join, place, spread, union};
 use crate::table::axes::Axes;
 use crate::table::deviation;
@@ -40,7 +40,7 @@ use crate::table::table::Table;
 /// let both = tables::merge(&[table.clone(), more])?;
 /// assert_eq!(both.rays[[0, 0]], 2 * table.rays[[0, 0]]);
 /// let error = tables::merge(&[table.clone(), table]).unwrap_err();
-/// assert!(matches!(error, tables::Error::Merge(_)));
+/// assert!(matches!(error, tables::Error::Merge { .. }));
 /// # Ok::<(), tables::Error>(())
 /// ```
 ///
@@ -49,7 +49,7 @@ use crate::table::table::Table;
 /// was baked, if two of them hold the same rays, or if a direction, a seed or a shard is missing.
 /// The error names the field, the tables or the missing part.
 pub fn merge(tables: &[Table]) -> Result<Table, Error> {
-    let first = tables.first().ok_or(Mismatch::Empty)?;
+    let first = tables.first().ok_or_else(none)?;
     for (index, table) in tables.iter().enumerate() {
         same(first, table, index)?;
     }
@@ -64,8 +64,51 @@ pub fn merge(tables: &[Table]) -> Result<Table, Error> {
     Ok(merged)
 }
 
+/// Makes the error of an empty list.
+fn none() -> Error {
+    Error::Merge {
+        fault: "no table to merge".into(),
+        remedy: "name at least one".into(),
+    }
+}
+
+/// Makes the error of a field that differs between tables.
+pub(crate) fn differs(
+    field: &str,
+    index: usize,
+    expected: impl Display,
+    found: impl Display,
+) -> Error {
+    Error::Merge {
+        fault: format!("{field} of table {index} is {found}, that of the first is {expected}"),
+        remedy: "merge tables of one design and method only".into(),
+    }
+}
+
+/// Makes the error of rays that two tables both hold.
+pub(crate) fn overlap(first: usize, second: usize, what: &str, direction: (usize, usize)) -> Error {
+    Error::Merge {
+        fault: format!(
+            "tables {first} and {second} both hold {what} at direction {direction:?}, which would \
+            be counted twice"
+        ),
+        remedy: "leave one of them out, or bake it with another --seed".into(),
+    }
+}
+
+/// Makes the error of a direction that is missing from the grid of all incidences and azimuths.
+pub(crate) fn gap(incidence_deg: f64, azimuth_deg: f64, seed: u64) -> Error {
+    Error::Merge {
+        fault: format!(
+            "no table holds incidence {incidence_deg} deg, azimuth {azimuth_deg} deg of seed \
+            {seed}, but the merged table needs it"
+        ),
+        remedy: "bake this direction too".into(),
+    }
+}
+
 /// Merges tables that agree in all that says what was baked.
-fn put_together(tables: &[Table]) -> Result<Table, Mismatch> {
+fn put_together(tables: &[Table]) -> Result<Table, Error> {
     let first = &tables[0];
     if tables.len() == 1 {
         return Ok(first.clone());
@@ -80,7 +123,7 @@ fn put_together(tables: &[Table]) -> Result<Table, Mismatch> {
     let ranges = seeds
         .iter()
         .map(|&seed| of_one_seed(tables, &axes, seed))
-        .collect::<Result<Vec<Table>, Mismatch>>()?;
+        .collect::<Result<Vec<Table>, Error>>()?;
     if let [only] = &ranges[..] {
         return Ok(only.clone());
     }
@@ -88,18 +131,14 @@ fn put_together(tables: &[Table]) -> Result<Table, Mismatch> {
 }
 
 /// Compares all fields that say what was baked; seed, shards and directions may differ.
-fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
+fn same(first: &Table, table: &Table, index: usize) -> Result<(), Error> {
     macro_rules! compare {
         ($($name:literal = |$table:ident| $value:expr),* $(,)?) => {
             $({
                 let [expected, found] = [first, table].map(|$table| $value);
                 if expected != found {
-                    return Err(Mismatch::Field {
-                        field: $name,
-                        index,
-                        expected: format!("{expected:?}"),
-                        found: format!("{found:?}"),
-                    });
+                    let [expected, found] = [expected, found].map(|value| format!("{value:?}"));
+                    return Err(differs($name, index, expected, found));
                 }
             })*
         };
@@ -129,12 +168,8 @@ fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
     );
     let grid = |table: &Table| table.deviations.as_ref().map(|found| found.grid);
     if grid(first) != grid(table) {
-        return Err(Mismatch::Field {
-            field: "deviation",
-            index,
-            expected: format!("{:?}", grid(first)),
-            found: format!("{:?}", grid(table)),
-        });
+        let [expected, found] = [first, table].map(|table| format!("{:?}", grid(table)));
+        return Err(differs("deviation", index, expected, found));
     }
     let kind = |table: &Table| match (&table.counts, table.axes.is_mean()) {
         (Some(_), false) => "single directions, counts of rays",
@@ -142,18 +177,13 @@ fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
         (None, _) => "no counts of rays",
     };
     if kind(first) != kind(table) {
-        return Err(Mismatch::Field {
-            field: "azimuths",
-            index,
-            expected: kind(first).into(),
-            found: kind(table).into(),
-        });
+        return Err(differs("azimuths", index, kind(first), kind(table)));
     }
     Ok(())
 }
 
 /// Returns the sum of all tables that start at `seed`, on the axes `axes`.
-fn of_one_seed(tables: &[Table], axes: &Axes, seed: u64) -> Result<Table, Mismatch> {
+fn of_one_seed(tables: &[Table], axes: &Axes, seed: u64) -> Result<Table, Error> {
     let mut sum: Option<Table> = None;
     // Contents of each direction: the tables that brought rays, each with its shards (`None`: a
     // whole bake).
@@ -172,12 +202,7 @@ fn of_one_seed(tables: &[Table], axes: &Axes, seed: u64) -> Result<Table, Mismat
             for &(first, other) in held.iter() {
                 let what = match (other, shards) {
                     (Some(a), Some(b)) if (a.of, a.rays) != (b.of, b.rays) => {
-                        return Err(Mismatch::Field {
-                            field: "shards",
-                            index,
-                            expected: a.to_string(),
-                            found: b.to_string(),
-                        });
+                        return Err(differs("shards", index, a, b));
                     }
                     (Some(a), Some(b)) => a
                         .held
@@ -191,12 +216,7 @@ fn of_one_seed(tables: &[Table], axes: &Axes, seed: u64) -> Result<Table, Mismat
                         .map(|r| format!("rays of seed {}", seed.wrapping_add(r))),
                 };
                 if let Some(what) = what {
-                    return Err(Mismatch::Overlap {
-                        first,
-                        second: index,
-                        what,
-                        direction,
-                    });
+                    return Err(overlap(first, index, &what, direction));
                 }
             }
             held.push((index, shards));
@@ -207,9 +227,7 @@ fn of_one_seed(tables: &[Table], axes: &Axes, seed: u64) -> Result<Table, Mismat
             Some(sum) => add(sum, &more, index)?,
         }
     }
-    let Some(mut sum) = sum else {
-        return Err(Mismatch::Empty);
-    };
+    let mut sum = sum.ok_or_else(none)?;
     sum.provenance.shards = together(&held, axes, seed)?;
     Ok(rebuilt(sum))
 }
@@ -219,7 +237,7 @@ fn together(
     held: &[Vec<(usize, Option<&Shards>)>],
     axes: &Axes,
     seed: u64,
-) -> Result<Option<Shards>, Mismatch> {
+) -> Result<Option<Shards>, Error> {
     let sum = |parts: &[(usize, Option<&Shards>)]| {
         let mut shards = parts.iter().filter_map(|(_, shards)| *shards);
         let first = shards.next()?.clone();
@@ -228,7 +246,7 @@ fn together(
     };
     let azimuths = axes.azimuth_deg.len();
     let expected = sum(&held[0]);
-    let named = |shards: &Option<Shards>| {
+    let named = |shards: &Option<Shards>| -> String {
         shards
             .as_ref()
             .map_or("the whole bake".into(), |s| format!("shards {s}"))
@@ -237,20 +255,17 @@ fn together(
         let incidence_deg = axes.incidence_deg[direction / azimuths];
         let azimuth_deg = axes.azimuth_deg[direction % azimuths];
         if parts.is_empty() {
-            return Err(Mismatch::Gap {
-                incidence_deg,
-                azimuth_deg,
-                seed,
-            });
+            return Err(gap(incidence_deg, azimuth_deg, seed));
         }
         let found = sum(parts);
         if found != expected {
-            return Err(Mismatch::Uneven {
-                seed,
-                incidence_deg,
-                azimuth_deg,
-                expected: named(&expected),
-                found: named(&found),
+            let [expected, found] = [&expected, &found].map(named);
+            return Err(Error::Merge {
+                fault: format!(
+                    "the tables of seed {seed} hold {found} at incidence {incidence_deg} deg, \
+                    azimuth {azimuth_deg} deg, but {expected} at the first direction"
+                ),
+                remedy: "give the same shards for every direction".into(),
             });
         }
     }
@@ -270,15 +285,10 @@ fn shared_randomisation(a: (&Table, (usize, usize)), b: (&Table, (usize, usize))
 }
 
 /// Adds the counts of a table to a sum on the same axes.
-fn add(sum: &mut Table, table: &Table, index: usize) -> Result<(), Mismatch> {
+fn add(sum: &mut Table, table: &Table, index: usize) -> Result<(), Error> {
     let (expected, found) = (randomisations(sum), randomisations(table));
     if expected != found {
-        return Err(Mismatch::Field {
-            field: "randomisation",
-            index,
-            expected: expected.to_string(),
-            found: found.to_string(),
-        });
+        return Err(differs("randomisation", index, expected, found));
     }
     if let (Some(counts), Some(more)) = (&mut sum.counts, &table.counts) {
         Zip::from(counts).and(more).for_each(|n, more| *n += more);
@@ -302,15 +312,15 @@ fn more_deviations(a: &Deviations, b: &Deviations) -> Deviations {
 }
 
 /// Puts whole tables of seeds that follow one another side by side along the randomisation axis.
-fn side_by_side(tables: &[Table], ranges: &[Table]) -> Result<Table, Mismatch> {
+fn side_by_side(tables: &[Table], ranges: &[Table]) -> Result<Table, Error> {
     let mut expected = ranges[0].provenance.seed;
     for table in ranges {
         let seed = table.provenance.seed;
         if let Some(shards) = &table.provenance.shards {
-            return Err(Mismatch::Incomplete {
-                seed,
-                missing: shards.missing_text(),
-                shards: shards.clone(),
+            let (missing, of) = (shards.missing_text(), shards.of);
+            return Err(Error::Merge {
+                fault: format!("shards {missing} of {of} of seed {seed} are missing"),
+                remedy: "merge all shards of this seed before you add another seed".into(),
             });
         }
         if seed != expected {
@@ -318,10 +328,12 @@ fn side_by_side(tables: &[Table], ranges: &[Table]) -> Result<Table, Mismatch> {
                 .iter()
                 .position(|t| t.provenance.seed == seed)
                 .unwrap_or(0);
-            return Err(Mismatch::Seed {
-                index,
-                expected,
-                found: seed,
+            return Err(Error::Merge {
+                fault: format!(
+                    "table {index} has seed {seed}, but the next seed after those of the other \
+                    tables is {expected}"
+                ),
+                remedy: format!("bake it with --seed {expected}"),
             });
         }
         expected = expected.wrapping_add(randomisations(table) as u64);

@@ -7,7 +7,6 @@ pub(crate) mod hermite;
 pub(crate) mod polygon_wave;
 pub(crate) mod ruling;
 pub(crate) mod shift;
-pub(crate) mod spot;
 pub(crate) mod spots;
 pub(crate) mod transform;
 pub(crate) mod wave;

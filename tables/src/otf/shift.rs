@@ -5,16 +5,14 @@
 //! with the corner size. Each polygon has one deviation; in a table of rays the bins have them
 //! (`spots`).
 
-use std::f64::consts::TAU;
-
-use num_complex::Complex64;
-
 use crate::lookup::direction::Direction;
+use crate::otf::hermite::Samples;
 use crate::otf::ruling::Ruling;
-use crate::otf::spot::LineSpot;
 use crate::otf::spots;
 use crate::table::exact::Path;
 use crate::table::polygon::area;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
 
 /// Deviations that differ by less than this count as equal, rad: 0.1 nm at a distance of 1 m.
 const SAME_DEVIATION: f64 = 1e-10;
@@ -121,6 +119,19 @@ fn by_deviation(paths: &[Path]) -> Vec<Vec<Path>> {
         }
     }
     groups
+}
+
+/// Light that leaves in one direction.
+#[derive(Debug, Clone)]
+pub(crate) struct LineSpot {
+    /// Factor of the samples.
+    pub share: f64,
+    /// Tangent of the deviation along the edge normal.
+    pub deviation: f64,
+    /// Shift along the edge normal that the samples leave out, edge lengths.
+    pub middle: f64,
+    /// OTF as a function of c f.
+    pub samples: Samples<Complex64>,
 }
 
 #[cfg(test)]

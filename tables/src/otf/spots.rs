@@ -20,7 +20,7 @@ use crate::lookup::direction::Direction;
 use crate::otf::hermite::Samples;
 use crate::otf::polygon_wave::sinc;
 use crate::otf::ruling::{Ruling, STEP};
-use crate::otf::spot::LineSpot;
+use crate::otf::shift::LineSpot;
 use crate::table::deviation::Exits;
 
 /// Most exit directions that have a spot each; more become a row of evenly spaced spots.

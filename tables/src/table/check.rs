@@ -13,7 +13,6 @@ use crate::table::deviation::{Deviations, Entry, Grid};
 use crate::table::exact::{Exact, Path};
 use crate::table::fate::Fate;
 use crate::table::flat::FlatPaths;
-use crate::table::invalid::Invalid;
 use crate::table::provenance::Provenance;
 use crate::table::symmetry::MOST_ROTATIONS;
 use crate::table::table::Table;
@@ -48,6 +47,19 @@ const MOST_COVERS: usize = 1024;
 
 /// Greatest number of rays of a direction: f64 does not hold greater numbers exactly.
 pub(crate) const MOST_RAYS: u64 = 1 << 53;
+
+/// Rule that a table breaks, with the place. Directions are (index along incidence, index along
+/// azimuth).
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct Invalid(String);
+
+/// Returns the rule that the table breaks.
+macro_rules! broken {
+    ($($words:tt)*) => {
+        return Err(Invalid(format!($($words)*)))
+    };
+}
 
 /// Checks all rules of a table.
 ///
@@ -92,7 +104,7 @@ pub(crate) fn axes(axes: &Axes) -> Result<(), Invalid> {
     let directions = incidences.saturating_mul(azimuths);
     most(MOST_DIRECTIONS, directions, || "the directions".into())?;
     if axes.bins == 0 {
-        return Err(Invalid::EmptyAxis { axis: "shift_u" });
+        broken!("shift_u is empty");
     }
     axis("shift_range", &[axes.range], "0 < range < 1e6", |x| {
         x > 0.0 && x < 1e6
@@ -101,14 +113,10 @@ pub(crate) fn axes(axes: &Axes) -> Result<(), Invalid> {
 
 /// Checks that there are at most `limit` of something, which `what` names.
 fn most(limit: usize, found: usize, what: impl Fn() -> String) -> Result<(), Invalid> {
-    if found <= limit {
-        return Ok(());
+    if found > limit {
+        broken!("{} are {found}, above the limit of {limit}", what());
     }
-    Err(Invalid::Many {
-        what: what(),
-        found,
-        most: limit,
-    })
+    Ok(())
 }
 
 /// Checks that an axis has values, that all are allowed, and that they ascend.
@@ -119,23 +127,23 @@ fn axis(
     within: impl Fn(f64) -> bool,
 ) -> Result<(), Invalid> {
     if values.is_empty() {
-        return Err(Invalid::EmptyAxis { axis });
+        broken!("{axis} is empty");
     }
-    if let Some((index, &value)) = values.iter().enumerate().find(|&(_, &x)| !within(x)) {
-        return Err(Invalid::AxisValue {
-            axis,
-            index,
-            value,
-            allowed,
-        });
+    if let Some((index, value)) = values.iter().enumerate().find(|&(_, &x)| !within(x)) {
+        broken!("{axis} is {value:?} at index {index}, outside of {allowed}");
     }
-    match values.windows(2).position(|pair| pair[0] >= pair[1]) {
-        Some(index) => Err(Invalid::AxisOrder {
-            axis,
-            index: index + 1,
-        }),
-        None => Ok(()),
+    if let Some(index) = values.windows(2).position(|pair| pair[0] >= pair[1]) {
+        broken!("{axis} does not ascend at index {}", index + 1);
     }
+    Ok(())
+}
+
+/// Checks the shape of an array.
+fn shape(array: &str, found: &[usize], expected: &[usize]) -> Result<(), Invalid> {
+    if found != expected {
+        broken!("{array} has shape {found:?}, the axes ask for {expected:?}");
+    }
+    Ok(())
 }
 
 /// Checks that all arrays have the shapes that follow from the axes.
@@ -143,42 +151,23 @@ fn shapes(table: &Table) -> Result<(), Invalid> {
     let (i, j) = table.axes.shape();
     let fates = Fate::of(table.provenance.options.front());
     let (b, f) = (table.axes.bins, fates.len());
-    let same = |array, found: &[usize], expected: &[usize]| {
-        if found == expected {
-            Ok(())
-        } else {
-            Err(Invalid::Shape {
-                array,
-                expected: expected.to_vec(),
-                found: found.to_vec(),
-            })
-        }
-    };
-    same("histogram", table.histogram.shape(), &[i, j, b, b])?;
-    same("retroreflected", table.retroreflected.shape(), &[i, j])?;
-    same("standard_error", table.standard_error.shape(), &[i, j])?;
-    same("fate", table.fate.shape(), &[i, j, f])?;
-    same("rays", table.rays.shape(), &[i, j])?;
+    shape("histogram", table.histogram.shape(), &[i, j, b, b])?;
+    shape("retroreflected", table.retroreflected.shape(), &[i, j])?;
+    shape("standard_error", table.standard_error.shape(), &[i, j])?;
+    shape("fate", table.fate.shape(), &[i, j, f])?;
+    shape("rays", table.rays.shape(), &[i, j])?;
     match (&table.counts, &table.fate_counts) {
         (Some(counts), Some(fate_counts)) => {
             let r = counts.shape()[2];
             if r == 0 {
-                return Err(Invalid::EmptyAxis {
-                    axis: "randomisation",
-                });
+                broken!("randomisation is empty");
             }
-            same("counts", counts.shape(), &[i, j, r, b, b])?;
-            same("fate_counts", fate_counts.shape(), &[i, j, r, f])
+            shape("counts", counts.shape(), &[i, j, r, b, b])?;
+            shape("fate_counts", fate_counts.shape(), &[i, j, r, f])
         }
         (None, None) => Ok(()),
-        (Some(_), None) => Err(Invalid::HalfCounts {
-            present: "counts",
-            missing: "fate_counts",
-        }),
-        (None, Some(_)) => Err(Invalid::HalfCounts {
-            present: "fate_counts",
-            missing: "counts",
-        }),
+        (Some(_), None) => broken!("counts is there without fate_counts"),
+        (None, Some(_)) => broken!("fate_counts is there without counts"),
     }
 }
 
@@ -292,13 +281,16 @@ fn method(table: &Table) -> Result<(), Invalid> {
         Some(Method::Exact) => holds == [false, true] && from.sampler.is_none(),
         Some(Method::Auto) => false,
     };
-    let has = |there| if there { "has" } else { "lacks" };
-    fits.then_some(()).ok_or_else(|| Invalid::Method {
-        method: from.method.to_string(),
-        sampler: from.sampler_text().to_owned(),
-        counts: has(holds[0]),
-        polygons: has(holds[1]),
-    })
+    let [counts, polygons] = holds.map(|there| if there { "has" } else { "lacks" });
+    if !fits {
+        broken!(
+            "method is \"{}\" and sampler is \"{}\", but the table {counts} counts and {polygons} \
+            polygons",
+            from.method,
+            from.sampler_text()
+        );
+    }
+    Ok(())
 }
 
 /// Checks that `allow` holds for all values; `allowed` names the range in the error.
@@ -308,15 +300,10 @@ fn within<'a>(
     allowed: &'static str,
     allow: impl Fn(f64) -> bool,
 ) -> Result<(), Invalid> {
-    match values.into_iter().enumerate().find(|&(_, &x)| !allow(x)) {
-        Some((index, &value)) => Err(Invalid::Value {
-            array,
-            index,
-            value,
-            allowed,
-        }),
-        None => Ok(()),
+    if let Some((index, value)) = values.into_iter().enumerate().find(|&(_, &x)| !allow(x)) {
+        broken!("{array} is {value:?} at flat index {index}, outside of {allowed}");
     }
+    Ok(())
 }
 
 /// Checks the counts against fates and rays.
@@ -339,26 +326,21 @@ pub(crate) fn counts(
             let sum: u128 = bins.iter().map(|&n| u128::from(n)).sum();
             let fates = fate_counts[[i, j, randomisation, Fate::Retroreflected as usize]];
             if sum != u128::from(fates) {
-                return Err(Invalid::CountSum {
-                    direction,
-                    randomisation,
-                    counts: sum,
-                    fates,
-                });
+                broken!(
+                    "counts sum to {sum} at direction {direction:?}, randomisation \
+                    {randomisation}, fate_counts says {fates} retroreflected"
+                );
             }
             rays += (0..fate_counts.shape()[3])
                 .map(|k| u128::from(fate_counts[[i, j, randomisation, k]]))
                 .sum::<u128>();
         }
         if rays > u128::from(MOST_RAYS) {
-            return Err(Invalid::TooManyRays { direction, rays });
+            broken!("fate_counts sums to {rays} at direction {direction:?}, above 2^53");
         }
         if rays != u128::from(launched[[i, j]]) {
-            return Err(Invalid::RaySum {
-                direction,
-                rays: launched[[i, j]],
-                fates: rays,
-            });
+            let launched = launched[[i, j]];
+            broken!("rays is {launched} at direction {direction:?}, fate_counts sums to {rays}");
         }
     }
     Ok(())
@@ -379,16 +361,15 @@ fn sums(table: &Table) -> Result<(), Invalid> {
         let sum = fate.sum();
         let unlaunched = idle && sum == 0.0;
         if !unlaunched && !near(sum, 1.0) {
-            return Err(Invalid::FateSum { direction, sum });
+            broken!("fate sums to {sum} at direction {direction:?}, expected 1");
         }
         let eta = table.retroreflected[[i, j]];
         let fates = fate[Fate::Retroreflected as usize] + fate[Fate::OutOfRange as usize];
         if !near(eta, fates) {
-            return Err(Invalid::EtaOfFates {
-                direction,
-                eta,
-                fates,
-            });
+            broken!(
+                "retroreflected is {eta} at direction {direction:?}, fate retroreflected + \
+                out_of_range is {fates}"
+            );
         }
         let sum = table
             .histogram
@@ -396,10 +377,13 @@ fn sums(table: &Table) -> Result<(), Invalid> {
             .index_axis_move(Axis(0), j)
             .sum();
         if sum != 0.0 && !near(sum, 1.0) {
-            return Err(Invalid::HistogramSum { direction, sum });
+            broken!(
+                "histogram sums to {sum} at direction {direction:?}, expected 1, or 0 where \
+                nothing returns"
+            );
         }
         if eta == 0.0 && sum != 0.0 {
-            return Err(Invalid::HistogramOfNothing { direction });
+            broken!("histogram is not empty at direction {direction:?} where retroreflected is 0");
         }
     }
     Ok(())
@@ -409,18 +393,10 @@ fn sums(table: &Table) -> Result<(), Invalid> {
 fn deviations(table: &Table, found: &Deviations) -> Result<(), Invalid> {
     let (incidences, azimuths) = table.axes.shape();
     let Some(counts) = &table.counts else {
-        return Err(Invalid::HalfCounts {
-            present: "deviation",
-            missing: "counts",
-        });
+        broken!("deviation is there without counts");
     };
-    if found.entries.len() != incidences * azimuths {
-        return Err(Invalid::Shape {
-            array: "deviation entries",
-            expected: vec![incidences * azimuths],
-            found: vec![found.entries.len()],
-        });
-    }
+    let directions = [incidences * azimuths];
+    shape("deviation entries", &[found.entries.len()], &directions)?;
     let Grid { cells, bins, range } = found.grid;
     let of_bins = table.axes.bins;
     within(
@@ -441,13 +417,10 @@ fn deviations(table: &Table, found: &Deviations) -> Result<(), Invalid> {
         let mut lowest = 0;
         for (entry, &Entry { place, rays }) in entries.iter().enumerate() {
             if place < lowest || place >= places || rays == 0 {
-                return Err(Invalid::DeviationEntry {
-                    direction,
-                    entry,
-                    place,
-                    rays,
-                    places,
-                });
+                broken!(
+                    "entry {entry} of the deviations of direction {direction} has the place \
+                    {place} and {rays} rays; places ascend below {places}, and rays are at least 1"
+                );
             }
             lowest = place + 1;
             by_cell[found.grid.at(place).0] += u128::from(rays);
@@ -460,13 +433,12 @@ fn deviations(table: &Table, found: &Deviations) -> Result<(), Invalid> {
         let differ = by_cell
             .indexed_iter()
             .find(|&(at, rays)| counted[at] != *rays);
-        if let Some((cell, &deviations)) = differ {
-            return Err(Invalid::DeviationSum {
-                direction,
-                cell,
-                deviations,
-                counts: counted[cell],
-            });
+        if let Some((cell, deviations)) = differ {
+            broken!(
+                "the deviations of direction {direction} have {deviations} rays in the cell (v, \
+                u) = {cell:?}, counts has {}",
+                counted[cell]
+            );
         }
     }
     Ok(())
@@ -492,13 +464,8 @@ fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
     let (incidences, azimuths) = table.axes.shape();
     // A mean over azimuths has no polygons of its own. Its lists are empty, or hold polygons that
     // belong to no single direction.
-    if exact.paths.len() != incidences * azimuths {
-        return Err(Invalid::Shape {
-            array: "exact paths",
-            expected: vec![incidences * azimuths],
-            found: vec![exact.paths.len()],
-        });
-    }
+    let directions = [incidences * azimuths];
+    shape("exact paths", &[exact.paths.len()], &directions)?;
     within(
         "entrance_area",
         [&exact.entrance_area],
@@ -533,23 +500,21 @@ fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
             let area = crate::table::polygon::area(&path.polygon);
             // Rounding may give a sliver an area just below 0.
             if path.polygon.len() < 3 || area < -SUM * exact.entrance_area {
-                return Err(Invalid::Polygon {
-                    direction,
-                    path: index,
-                    corners: path.polygon.len(),
-                    area,
-                });
+                let corners = path.polygon.len();
+                broken!(
+                    "path {index} of direction {direction} has a polygon of {corners} corners and \
+                    area {area}"
+                );
             }
             returned += path.weight * area / exact.entrance_area;
         }
         let here = (direction / azimuths, direction % azimuths);
         let eta = table.retroreflected[[here.0, here.1]];
         if !table.axes.is_mean() && (returned - eta).abs() > SUM {
-            return Err(Invalid::PolygonSum {
-                direction: here,
-                polygons: returned,
-                eta,
-            });
+            broken!(
+                "polygons of direction {here:?} return {returned} of the power, retroreflected \
+                says {eta}"
+            );
         }
     }
     Ok(())

@@ -10,7 +10,6 @@ pub mod deviation;
 pub(crate) mod exact;
 pub(crate) mod fate;
 pub(crate) mod flat;
-pub(crate) mod invalid;
 pub mod polygon;
 pub(crate) mod provenance;
 pub(crate) mod shards;

@@ -5,7 +5,7 @@ use crate::sample;
 use std::fs;
 use std::path::Path;
 
-use tables::{Error, Output, OutputError, Outputs, Table, read, write};
+use tables::{Output, Outputs, Table, read, write};
 
 fn kinds() -> Vec<(&'static str, Table)> {
     let mut plain = sample::rays(1, 7);
@@ -60,7 +60,8 @@ fn every_kind_of_table_comes_back_bit_for_bit() {
             match read(&second) {
                 Ok(back) => assert_eq!((back, block % 512), (table.clone(), 0), "{kind}, {block}"),
                 Err(error) => assert!(
-                    matches!(error, Error::NotHdf5 { .. }) && ![512, 4096].contains(&block),
+                    error.to_string().contains("is not an HDF5 file")
+                        && ![512, 4096].contains(&block),
                     "{kind}, {block}: {error}"
                 ),
             }
@@ -79,7 +80,8 @@ fn a_failed_write_leaves_the_old_table_and_nothing_else() {
 
     let mut wrong = sample::rays(1, 7);
     wrong.histogram[[0, 0, 0, 0]] = f64::NAN;
-    assert!(matches!(write(&wrong, &file), Err(Error::Invalid { .. })));
+    let error = write(&wrong, &file).unwrap_err().to_string();
+    assert!(error.contains("histogram is NaN"), "{error}");
     drop(Output::reserve(&file).unwrap());
 
     assert_eq!(fs::read(&file).unwrap(), old);
@@ -94,23 +96,20 @@ fn a_failed_write_leaves_the_old_table_and_nothing_else() {
 fn a_place_that_cannot_be_written_is_refused_before_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let inside = folder.path().join("no/such/folder/table.h5");
-    let refused = |path: &Path| Output::reserve(path).unwrap_err();
-    assert!(matches!(refused(&inside), OutputError::Folder { .. }));
-    assert!(matches!(
-        refused(folder.path()),
-        OutputError::NotAFile { .. }
-    ));
+    let refused = |path: &Path, reason: &str| {
+        let error = Output::reserve(path).unwrap_err().to_string();
+        assert!(error.contains(reason), "{error}");
+    };
+    refused(&inside, "its folder takes no file");
+    refused(folder.path(), "is not a regular file");
     // A device that was renamed over would be gone for every program.
-    assert!(matches!(
-        refused(Path::new("/dev/full")),
-        OutputError::NotAFile { .. }
-    ));
+    refused(Path::new("/dev/full"), "is not a regular file");
     let file = folder.path().join("table.h5");
     fs::write(&file, "kept").unwrap();
     let mut permissions = fs::metadata(&file).unwrap().permissions();
     permissions.set_readonly(true);
     fs::set_permissions(&file, permissions).unwrap();
-    assert!(matches!(refused(&file), OutputError::Protected { .. }));
+    refused(&file, "is write-protected");
     assert_eq!(fs::read(&file).unwrap(), b"kept");
 }
 
@@ -132,7 +131,15 @@ fn outputs_spare_inputs_and_each_other_under_any_name() {
     ] {
         match (outputs.reserve(path), reserved) {
             (Ok(output), true) => assert!(!output.path().exists(), "a reservation leaves no file"),
-            (Err(OutputError::Input { .. } | OutputError::Twice { .. }), false) => refused += 1,
+            (Err(error), false) => {
+                let reasons = ["is an input", "is named for two outputs"];
+                let error = error.to_string();
+                assert!(
+                    reasons.iter().any(|reason| error.contains(reason)),
+                    "{error}"
+                );
+                refused += 1;
+            }
             (other, _) => panic!("{}: {other:?}", path.display()),
         }
     }

@@ -295,7 +295,7 @@ fn options() {
         trace("--edge-length", "1e20", "does not fit a cell 3 wide"),
         trace("--azimuth", "-361", "from -360 to 360"),
         trace("--range", "1e6", "--range 1000000"),
-        trace("--azimuth", "full:x", "\"x\" is not an angle"),
+        trace("--azimuth", "full:x", "\"x\" is not a number"),
         trace("--angular-tolerance", "20", "at most 10 degrees"),
         trace("--refractive-index", "wood", "pmma, polycarbonate, bk7"),
         trace("--refractive-index", "bk7", "depends on the wavelength"),

@@ -6,9 +6,9 @@ pub(crate) mod oracle;
 pub(crate) mod rules;
 
 use crate::optics::Rules;
+use crate::tests::cells::of_mesh;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, Mesh, normalise};
-use std::path::Path;
+use meshes::{Cell, Mesh};
 
 /// Rules of mirrors in air. Light that is bent by up to 10 degrees still counts as retroreflected.
 const RULES: Rules = Rules {
@@ -27,9 +27,5 @@ fn design(shape: Shape, sag: f64, segments: u32) -> Mesh {
 
 /// Returns the cell of `mesh`. Its facets have the normals of the mesh, or are planes.
 fn cell(mesh: &Mesh, file_normals: bool) -> Cell {
-    let options = CellOptions {
-        file_normals,
-        ..CellOptions::default()
-    };
-    normalise(mesh, Path::new("mesh.obj"), &options).expect("a cell")
+    of_mesh(mesh, |options| options.file_normals = file_normals)
 }

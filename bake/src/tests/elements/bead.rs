@@ -10,9 +10,10 @@ use crate::optics::{Incidence, Rules};
 use crate::plan::{Plan, Request};
 use crate::rays::{Index, Scene, trace};
 use crate::tests::bakes;
+use crate::tests::cells::of_mesh;
 use glam::{DVec2, DVec3};
+use meshes::Cell;
 use meshes::design::Bead;
-use meshes::{Cell, CellOptions, normalise};
 use tables::Fate;
 use tables::options::{NormalsFrom, Sampler, SceneOptions};
 
@@ -23,12 +24,7 @@ fn cell(diameter: f64, segments: u32) -> Cell {
         segments,
     };
     let mesh = bead.mesh().expect("a legal design");
-    let options = CellOptions {
-        file_normals: true,
-        glass: true,
-        ..CellOptions::default()
-    };
-    normalise(&mesh, "bead".as_ref(), &options).expect("a cell")
+    of_mesh(&mesh, |o| (o.file_normals, o.glass) = (true, true))
 }
 
 /// Returns the angle from straight back, rad, for a bead of radius 1.

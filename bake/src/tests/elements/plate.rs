@@ -9,9 +9,10 @@
 
 use crate::plan::{Plan, Request};
 use crate::tests::bakes;
+use crate::tests::cells::of_mesh;
 use glam::DVec2;
+use meshes::Cell;
 use meshes::design::Plate;
-use meshes::{Cell, CellOptions, normalise};
 use tables::options::{Element, Losses, Method, Sampler, SceneOptions};
 use tables::{Fate, Table};
 
@@ -24,8 +25,7 @@ fn cell(depth: f64, thickness: f64) -> Cell {
         depth,
         thickness,
     };
-    let mesh = plate.mesh().expect("a legal design");
-    normalise(&mesh, "plate".as_ref(), &CellOptions::default()).expect("a cell")
+    of_mesh(&plate.mesh().expect("a legal design"), |_| ())
 }
 
 fn request() -> Request {

@@ -5,19 +5,14 @@ use crate::optics::{Incidence, Rules};
 use crate::plan::{Plan, Request};
 use crate::rays::{Index, Scene, trace};
 use crate::tests::bakes;
+use crate::tests::bakes::asked;
+use crate::tests::cells::designed;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, Entrance};
-use std::path::Path;
+use meshes::{Cell, Entrance};
 use tables::Fate;
-use tables::options::Method;
 
-use crate::tests::exact::cells::{Draw, ideal_edges, rules};
-
-fn cell(design: Design) -> Cell {
-    let mesh = design.mesh().expect("a design");
-    meshes::normalise(&mesh, Path::new("design.obj"), &CellOptions::default()).expect("a cell")
-}
+use crate::tests::exact::cells::{Draw, ideal_edges};
 
 /// Returns the effective area perpendicular to the light, by its cosines p <= q <= r on the axes of
 /// the cube, for a triangular aperture or square faces.
@@ -40,7 +35,7 @@ fn effective_areas_are_those_of_the_model() {
     let mut draw = Draw(17);
     let (mut beams, mut rays, mut returning) = (0, 0, 0);
     for shape in [Shape::Triangular, Shape::FullCube] {
-        let cell = cell(Design::new(shape));
+        let cell = designed(&Design::new(shape));
         let exact = bakes::exact(&cell).expect("planar");
         for k in 0..300 {
             let (incidence, azimuth) = (60.0 * draw.next(), 360.0 * draw.next());
@@ -48,7 +43,7 @@ fn effective_areas_are_those_of_the_model() {
             let area = effective_area(shape, light.travel);
             let eta = area / (exact.entrance_area() * -light.travel.z);
             let found = exact
-                .direction(incidence, azimuth, 4, 2.0, &rules(1.0))
+                .direction(incidence, azimuth, 4, 2.0, &Rules::mirrors(1.0))
                 .retroreflected;
             assert!(
                 (found - eta).abs() < 1e-10,
@@ -62,10 +57,7 @@ fn effective_areas_are_those_of_the_model() {
                     incidence: incidence.to_string(),
                     azimuth: azimuth.to_string(),
                     rays: Some(n),
-                    method: Method::Rays,
-                    sampler: tables::options::Sampler::Random,
-                    bins: 4,
-                    ..Request::default()
+                    ..asked("--method rays --sampler random --bins 4")
                 };
                 let plan = Plan::new(&request).expect("a plan");
                 let traced = bakes::bake(&cell, &plan).expect("bakes").retroreflected[[0, 0]];
@@ -91,7 +83,7 @@ fn neighbours_are_those_of_a_patch() {
     let mut draw = Draw(23);
     let (mut compared, mut crossed, mut sideways) = (0, 0, 0);
     for (truncation, gap) in [(0.0, 0.0), (0.2, 0.0), (0.0, 0.5), (0.1, 0.3)] {
-        let cell = cell(Design {
+        let cell = designed(&Design {
             truncation,
             gap,
             ..Design::new(Shape::FullCube)
@@ -173,8 +165,8 @@ fn neighbours_are_those_of_a_patch() {
 /// returns is the sum of what each returns alone, times its share of the area.
 #[test]
 fn a_period_of_several_cells_is_their_mean() {
-    let pair = cell(Design::new(Shape::TriangularPair));
-    let canted = cell(Design {
+    let pair = designed(&Design::new(Shape::TriangularPair));
+    let canted = designed(&Design {
         cant_rad: 0.2,
         ..Design::new(Shape::Canted)
     });
@@ -210,7 +202,7 @@ fn a_period_of_several_cells_is_their_mean() {
     for index in [1.0, 1.49] {
         for (incidence, azimuth) in [(0.0, 0.0), (10.0, 33.0), (25.0, 190.0), (40.0, 301.0)] {
             let bins = 32;
-            let found = exact.direction(incidence, azimuth, bins, 2.0, &rules(index));
+            let found = exact.direction(incidence, azimuth, bins, 2.0, &Rules::mirrors(index));
             let mut eta = 0.0;
             let mut histogram = vec![0.0; bins * bins];
             for (cell, size, turn) in parts {
@@ -218,7 +210,13 @@ fn a_period_of_several_cells_is_their_mean() {
                 // Shifts of a smaller cell are smaller: its table has equal bins over a wider
                 // range, in its own edge lengths.
                 let range = 2.0 / size;
-                let share = alone.direction(incidence, azimuth - turn, bins, range, &rules(index));
+                let share = alone.direction(
+                    incidence,
+                    azimuth - turn,
+                    bins,
+                    range,
+                    &Rules::mirrors(index),
+                );
                 let weight = alone.entrance_area() * size * size / period;
                 eta += weight * share.retroreflected;
                 let weighted = histogram.iter_mut().zip(&share.histogram);

@@ -1,6 +1,6 @@
 //! Cells built by hand, independent of the mesh designs.
 
-use crate::optics::Rules;
+use crate::tests::cells;
 use glam::{DMat3, DVec2, DVec3};
 use meshes::{Cell, Entrance};
 
@@ -17,21 +17,9 @@ impl Draw {
     }
 }
 
-/// Returns rules of mirrors behind a front face of the given index, with the usual angular
-/// tolerance.
-pub(crate) fn rules(refractive_index: f64) -> Rules {
-    Rules::mirrors(refractive_index)
-}
-
 /// Returns three perpendicular unit edges around +z. The projection of the first one is along +x.
 pub(crate) fn ideal_edges() -> [DVec3; 3] {
-    let (s, c) = ((2.0_f64 / 3.0).sqrt(), (1.0_f64 / 3.0).sqrt());
-    let root = 3_f64.sqrt();
-    [
-        DVec3::new(s, 0.0, c),
-        DVec3::new(-s / 2.0, s * root / 2.0, c),
-        DVec3::new(-s / 2.0, -s * root / 2.0, c),
-    ]
+    cells::edges(0.0)
 }
 
 pub(crate) fn cell(
@@ -40,38 +28,18 @@ pub(crate) fn cell(
     polygon: Vec<DVec2>,
     lattice: Option<[DVec2; 2]>,
 ) -> Cell {
-    Cell {
-        facets,
-        normals: None,
-        glass: Vec::new(),
-        entrance: Entrance {
-            height,
-            polygon,
-            lattice,
-        },
-        refractive_index: None,
-        abbe_number: None,
-        closed: false,
-        edge_length: 1.0,
-        unit: None,
-        azimuth_zero: DVec3::X,
-        design: "by hand".into(),
-        mesh_hash: String::new(),
-        warnings: Vec::new(),
-    }
-}
-
-/// Returns the three triangles between edges from `apex`. The ends of the edges have one height.
-fn corner(apex: DVec3, edges: [DVec3; 3]) -> Vec<[DVec3; 3]> {
-    (0..3)
-        .map(|i| [apex, apex + edges[i], apex + edges[(i + 1) % 3]])
-        .collect()
+    let entrance = Entrance {
+        height,
+        polygon,
+        lattice,
+    };
+    cells::cell(facets, entrance, "by hand")
 }
 
 /// Returns a single cube with its rim in the entrance plane.
 pub(crate) fn single(edges: [DVec3; 3]) -> Cell {
     cell(
-        corner(DVec3::ZERO, edges),
+        cells::faces(DVec3::ZERO, edges),
         edges[0].z,
         edges.map(DVec3::truncate).to_vec(),
         None,
@@ -83,7 +51,7 @@ pub(crate) fn single(edges: [DVec3; 3]) -> Cell {
 pub(crate) fn pair(edges: [DVec3; 3], periodic: bool) -> Cell {
     let middle = (edges[0] + edges[1]).truncate();
     let turn = |x: DVec3| (middle - x.truncate()).extend(x.z);
-    let mut facets = corner(DVec3::ZERO, edges);
+    let mut facets = cells::faces(DVec3::ZERO, edges);
     facets.extend(facets.clone().iter().map(|t| t.map(turn)));
     let [a, b, c] = edges.map(DVec3::truncate);
     let polygon = vec![c, a, middle - c, b];
@@ -93,21 +61,6 @@ pub(crate) fn pair(edges: [DVec3; 3], periodic: bool) -> Cell {
         polygon,
         periodic.then_some([a - c, b - c]),
     )
-}
-
-/// Returns a periodic array of full cubes: three square faces each, hexagonal non-planar rim.
-pub(crate) fn full_cube() -> Cell {
-    let edges = ideal_edges();
-    let facets = (0..3)
-        .flat_map(|i| {
-            let (a, b) = (edges[i], edges[(i + 1) % 3]);
-            [[DVec3::ZERO, a, a + b], [DVec3::ZERO, a + b, b]]
-        })
-        .collect();
-    let [a, b, c] = edges.map(DVec3::truncate);
-    let lattice = [a - c, b - c];
-    let polygon = vec![DVec2::ZERO, lattice[0], lattice[0] + lattice[1], lattice[1]];
-    cell(facets, 2.0 / 3_f64.sqrt(), polygon, Some(lattice))
 }
 
 /// Returns the edges of a cube whose axis leans by `tilt_rad` towards +x, cut at the height

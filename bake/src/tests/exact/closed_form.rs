@@ -3,102 +3,37 @@
 //! The oracle carries the apex along the light to the aperture plane, at q. Light that enters at p
 //! leaves at 2q - p. So the shift is uniform over 2(q - K), with K the intersection of the aperture
 //! T and its point reflection through q. The oracle has polygon code of its own and computes bins
-//! by clipping the square of each bin. It shares nothing with the crate.
+//! by clipping the polygon at the sides of each bin. It shares nothing with the crate.
 
 use crate::beams::bake;
 use crate::optics::Rules;
 use crate::tests::bakes;
+use crate::tests::cells;
+use glam::DVec2;
 use meshes::Cell;
 use tables::{Axes, Fate};
 
-use crate::tests::exact::cells::{Draw, full_cube, ideal_edges, pair, rules, single};
+use crate::tests::cells::full_cube;
+use crate::tests::exact::cells::{Draw, ideal_edges, pair, single};
 
 const BINS: usize = 128;
 const RANGE: f64 = 2.0;
 
-type Point = [f64; 2];
-
-/// Clips a polygon by the convex polygon `frame` (Sutherland and Hodgman). Both are
-/// counter-clockwise.
-fn clipped(mut polygon: Vec<Point>, frame: &[Point]) -> Vec<Point> {
-    for i in 0..frame.len() {
-        let (a, b) = (frame[i], frame[(i + 1) % frame.len()]);
-        let side = |p: Point| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
-        let mut kept = Vec::new();
-        for k in 0..polygon.len() {
-            let (p, q) = (polygon[k], polygon[(k + 1) % polygon.len()]);
-            let (s, t) = (side(p), side(q));
-            if s >= 0.0 {
-                kept.push(p);
-            }
-            if (s > 0.0 && t < 0.0) || (s < 0.0 && t > 0.0) {
-                let w = s / (s - t);
-                kept.push([p[0] + w * (q[0] - p[0]), p[1] + w * (q[1] - p[1])]);
-            }
-        }
-        polygon = kept;
-    }
-    polygon
-}
-
-fn area(polygon: &[Point]) -> f64 {
-    (1..polygon.len().max(1))
-        .map(|i| {
-            let (o, p, q) = (polygon[0], polygon[i], polygon[(i + 1) % polygon.len()]);
-            0.5 * ((p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]))
-        })
-        .sum()
-}
-
 /// Returns eta and eta x histogram of one cube, at the inside angle and the azimuth from its first
 /// edge.
 fn cube(inside_rad: f64, azimuth_rad: f64) -> (f64, Vec<f64>) {
-    let corner = |k: usize| {
-        let angle = k as f64 * std::f64::consts::TAU / 3.0 - azimuth_rad;
-        let radius = (2.0_f64 / 3.0).sqrt();
-        [radius * angle.cos(), radius * angle.sin()]
-    };
-    let triangle: Vec<Point> = (0..3).map(corner).collect();
-    let q = [-inside_rad.tan() / 3_f64.sqrt(), 0.0];
-    let reflected: Vec<Point> = triangle
+    let (sine, cosine) = inside_rad.sin_cos();
+    let along = DVec2::from_angle(azimuth_rad);
+    let (eta, shifts) = cells::closed_form((along * sine).extend(-cosine), 0.0);
+    // The shifts in the incidence frame, whose first axis is along the light.
+    let shifts: Vec<DVec2> = shifts
         .iter()
-        .map(|p| [2.0 * q[0] - p[0], -p[1]])
+        .map(|&shift| DVec2::new(along.dot(shift), along.perp_dot(shift)))
         .collect();
-    let k = clipped(triangle.clone(), &reflected);
-    let eta = area(&k) / area(&triangle);
-    let mut histogram = vec![0.0; BINS * BINS];
-    if k.is_empty() {
-        return (0.0, histogram);
-    }
-    let support: Vec<Point> = k
-        .iter()
-        .map(|p| [2.0 * (q[0] - p[0]), -2.0 * p[1]])
-        .collect();
-    let width = 2.0 * RANGE / BINS as f64;
-    let ends = |axis: usize| {
-        let index = |x: f64| ((x + RANGE) / width).floor() as usize;
-        let values = || support.iter().map(|p| p[axis]);
-        (
-            index(values().fold(f64::MAX, f64::min)),
-            index(values().fold(f64::MIN, f64::max)),
-        )
-    };
-    let ((left, right), (bottom, top)) = (ends(0), ends(1));
-    for row in bottom..=top.min(BINS - 1) {
-        for column in left..=right.min(BINS - 1) {
-            let (x, y) = (column as f64 * width - RANGE, row as f64 * width - RANGE);
-            let square = vec![
-                [x, y],
-                [x + width, y],
-                [x + width, y + width],
-                [x, y + width],
-            ];
-            // The map of the shift has determinant 4.
-            histogram[row * BINS + column] =
-                area(&clipped(square, &support)) / 4.0 / area(&triangle);
-        }
-    }
-    (eta, histogram)
+    // The map of the shift has determinant 4.
+    let whole = 4.0 * cells::area(&ideal_edges().map(|edge| edge.truncate()));
+    let bins = cells::bin_areas(&shifts, BINS, RANGE).into_iter();
+    (eta, bins.map(|area| area / whole).collect())
 }
 
 fn closed_form(inside_rad: f64, azimuth_rad: f64, is_pair: bool) -> (f64, Vec<f64>) {
@@ -130,7 +65,7 @@ fn cutoff_rad(azimuth_rad: f64) -> f64 {
 /// 1e-3 deg of a cutoff.
 fn worst_total_variation(cell: &Cell, index: f64, is_pair: bool, seed: u64) -> f64 {
     let exact = bakes::exact(cell).unwrap();
-    let rules = rules(index);
+    let rules = Rules::mirrors(index);
     let mut draw = Draw(seed);
     let (mut worst, mut nonzero, mut empty, mut tried) = (0.0_f64, 0, 0, 0);
     while tried < 500 {
@@ -203,105 +138,33 @@ fn ideal_cubes_agree_with_the_closed_form() {
 fn listed_fractions_of_the_hollow_cube() {
     let cell = single(ideal_edges());
     let exact = bakes::exact(&cell).unwrap();
-    // The model lists five digits.
-    let listed = [
-        (0.0, 0.0, 2.0 / 3.0),
-        (10.0, 0.0, 0.62521),
-        (20.0, 0.0, 0.49003),
-        (30.0, 0.0, 0.22222),
-        (30.0, 30.0, 0.26035),
-        (30.0, 60.0, 0.31126),
-        (35.0, 0.0, 0.01295),
-        (40.0, 60.0, 0.14700),
-        (45.0, 60.0, 0.07625),
-    ];
-    for (incidence, azimuth, eta) in listed {
-        let found = exact.direction(incidence, azimuth, 128, 2.0, &rules(1.0));
-        assert!(
-            (found.retroreflected - eta).abs() < 5.1e-6,
-            "({incidence}, {azimuth}): {} not {eta}",
-            found.retroreflected
-        );
-        assert_eq!(
-            found.paths.len(),
-            1,
-            "the six facet sequences are one polygon"
-        );
+    let mut dark = 0;
+    for (incidence, azimuth, eta) in cells::listed("cube") {
+        let found = exact.direction(incidence, azimuth, 128, 2.0, &Rules::mirrors(1.0));
+        // The list has five digits.
+        let off = (found.retroreflected - eta).abs();
+        assert!(off < 5.1e-6, "({incidence}, {azimuth}): {off:e}");
+        if eta == 0.0 {
+            assert_eq!(found.retroreflected, 0.0, "({incidence}, {azimuth})");
+            assert!(found.paths.is_empty() && found.histogram.iter().all(|&mass| mass == 0.0));
+            dark += 1;
+        } else {
+            assert_eq!(found.paths.len(), 1, "the six sequences are one polygon");
+        }
     }
-    for (incidence, azimuth) in [
-        (40.0, 0.0),
-        (40.0, 30.0),
-        (45.0, 0.0),
-        (45.0, 90.0),
-        (89.9, 60.0),
-    ] {
-        let found = exact.direction(incidence, azimuth, 128, 2.0, &rules(1.0));
-        assert_eq!(found.retroreflected, 0.0, "({incidence}, {azimuth})");
-        assert!(found.paths.is_empty() && found.histogram.iter().all(|&mass| mass == 0.0));
-    }
-}
-
-/// Returns the effective area of a full cube perpendicular to the light, from the sorted components
-/// of -d on the axes of the cube.
-fn full_cube_area(inside_rad: f64, azimuth_rad: f64) -> f64 {
-    let back = glam::DVec3::new(
-        -inside_rad.sin() * azimuth_rad.cos(),
-        -inside_rad.sin() * azimuth_rad.sin(),
-        inside_rad.cos(),
-    );
-    let mut cosines = ideal_edges().map(|edge| edge.dot(back));
-    cosines.sort_by(f64::total_cmp);
-    let [p, q, r] = cosines;
-    if p <= 0.0 {
-        0.0
-    } else if q <= r / 2.0 {
-        4.0 * p * q / r
-    } else {
-        p * (4.0 - r / q)
-    }
+    assert_eq!(dark, 5);
 }
 
 #[test]
-fn the_full_cube_array_returns_the_effective_area() {
+fn listed_fractions_of_the_full_cube_array() {
     let cell = full_cube();
     let exact = bakes::exact(&cell).unwrap();
     assert_eq!(exact.facet_count(), 3, "each square is one facet");
-    let mut draw = Draw(3);
-    let (mut nonzero, mut worst) = (0, 0.0_f64);
-    for _ in 0..400 {
-        let (incidence, azimuth) = (70.0 * draw.next(), 360.0 * draw.next());
-        let expected = full_cube_area(incidence.to_radians(), azimuth.to_radians())
-            / (3_f64.sqrt() * incidence.to_radians().cos());
-        let found = exact.direction(incidence, azimuth, 16, 2.0, &rules(1.0));
-        worst = worst.max((found.retroreflected - expected).abs());
-        assert!(
-            (found.retroreflected - expected).abs() < 1e-10,
-            "({incidence}, {azimuth}): {} not {expected}",
-            found.retroreflected
-        );
-        nonzero += usize::from(expected > 0.0);
-    }
-    println!("full cube: eta within {worst:.2e}");
-    assert!(nonzero > 200);
-    for (incidence, azimuth, eta) in [
-        (0.0, 0.0, 1.0),
-        (10.0, 0.0, 0.7506),
-        (10.0, 30.0, 0.7276),
-        (20.0, 0.0, 0.4853),
-        (30.0, 60.0, 0.2570),
-        (40.0, 60.0, 0.1008),
-    ] {
-        let found = exact.direction(incidence, azimuth, 16, 2.0, &rules(1.0));
-        assert!(
-            (found.retroreflected - eta).abs() < 5.1e-5,
-            "({incidence}, {azimuth}): {}",
-            found.retroreflected
-        );
-        assert_eq!(
-            found.paths.len(),
-            1,
-            "({incidence}, {azimuth}): one cube, one polygon"
-        );
+    for (incidence, azimuth, eta) in cells::listed("array") {
+        let found = exact.direction(incidence, azimuth, 16, 2.0, &Rules::mirrors(1.0));
+        let off = (found.retroreflected - eta).abs();
+        assert!(off < 5.1e-5, "({incidence}, {azimuth}): {off:e}");
+        assert_eq!(found.paths.len(), 1, "one cube, one polygon");
     }
 }
 
@@ -320,15 +183,11 @@ fn mean(cell: &Cell, incidence_deg: Vec<f64>, rules: &Rules) -> Vec<f64> {
 /// by up to 5e-6.
 #[test]
 fn means_over_azimuths_are_those_of_the_model() {
-    let listed = [
-        0.66667, 0.65646, 0.62521, 0.57094, 0.49006, 0.38482, 0.26273, 0.12326, 0.04366, 0.01263,
-        0.00156,
-    ];
-    let incidence_deg: Vec<f64> = (0..11).map(|i| 5.0 * f64::from(i)).collect();
+    let (incidence_deg, listed) = cells::listed_means();
     for cell in [single(ideal_edges()), pair(ideal_edges(), true)] {
-        let found = mean(&cell, incidence_deg.clone(), &rules(1.0));
+        let found = mean(&cell, incidence_deg.clone(), &Rules::mirrors(1.0));
         assert_eq!(found.len(), listed.len());
-        for ((found, listed), incidence) in found.iter().zip(listed).zip(&incidence_deg) {
+        for ((found, listed), incidence) in found.iter().zip(&listed).zip(&incidence_deg) {
             assert!(
                 (found - listed).abs() < 1e-5,
                 "{incidence} deg: {found} is not {listed}"
@@ -344,7 +203,7 @@ fn means_over_azimuths_are_those_of_the_model() {
 fn a_mean_over_azimuths_sees_where_total_reflection_fails() {
     let prism = Rules {
         mirror_back: false,
-        ..rules(1.49)
+        ..Rules::mirrors(1.49)
     };
     let limit = (1.0 - 1.0 / (1.49_f64 * 1.49)).sqrt();
     let incidence_deg = vec![15.0, 20.0, 25.0];
@@ -384,7 +243,7 @@ fn total_internal_reflection_fails_where_it_should() {
     let (mut lossy, mut whole) = (0, 0);
     for _ in 0..200 {
         let (incidence, azimuth) = (60.0 * draw.next(), 360.0 * draw.next());
-        let mirror = rules(1.49);
+        let mirror = Rules::mirrors(1.49);
         let prism = Rules {
             mirror_back: false,
             ..mirror

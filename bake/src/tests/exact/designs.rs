@@ -1,13 +1,13 @@
 //! The designs that users write, loaded as their files are: the exact method against rays, and
 //! areas that are conserved.
 
-use std::path::Path;
-
 use crate::plan::{Plan, Request};
 use crate::tests::bakes;
+use crate::tests::bakes::asked;
+use crate::tests::cells::designed;
+use meshes::Cell;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions};
-use tables::options::{Method, Sampler};
+use tables::options::Method;
 use tables::{Fate, Table};
 
 fn designs() -> Vec<(&'static str, Design)> {
@@ -83,11 +83,6 @@ fn designs() -> Vec<(&'static str, Design)> {
     ]
 }
 
-fn cell(design: &Design) -> Cell {
-    let mesh = design.mesh().expect("a design");
-    meshes::normalise(&mesh, Path::new("design.obj"), &CellOptions::default()).expect("a cell")
-}
-
 fn bake(cell: &Cell, request: &Request) -> Table {
     bakes::bake(cell, &Plan::new(request).expect("a plan")).expect("bakes")
 }
@@ -152,17 +147,13 @@ pub(crate) fn chi_square_sigmas(exact: &Table, traced: &Table, (i, a): (usize, u
 fn exact_and_rays_agree_within_counting_error() {
     let mut cases = 0;
     for (name, design) in designs() {
-        let cell = cell(&design);
+        let cell = designed(&design);
         for index in [1.0, 1.49] {
             let request = Request {
-                incidence: "0,13,37".into(),
-                azimuth: "0,50".into(),
                 refractive_index: Some(index),
-                sampler: Sampler::Random,
-                rays: Some(1 << 18),
-                bins: 32,
-                method: Method::Rays,
-                ..Request::default()
+                ..asked(
+                    "--incidence 0,13,37 --azimuth 0,50 --sampler random --rays 262144 --bins 32 --method rays",
+                )
             };
             let traced = bake(&cell, &request);
             let exact = bake(
@@ -189,14 +180,8 @@ fn exact_and_rays_agree_within_counting_error() {
 fn areas_of_designs_are_conserved() {
     let mut cases = 0;
     for (name, design) in designs() {
-        let cell = cell(&design);
-        let request = Request {
-            incidence: "0:85:5".into(),
-            azimuth: "0:330:30".into(),
-            method: Method::Exact,
-            bins: 32,
-            ..Request::default()
-        };
+        let cell = designed(&design);
+        let request = asked("--incidence 0:85:5 --azimuth 0:330:30 --method exact --bins 32");
         let table = bake(&cell, &request);
         for ((i, a), eta) in table.retroreflected.indexed_iter() {
             let sum: f64 = table.fate.slice(ndarray::s![i, a, ..]).sum();

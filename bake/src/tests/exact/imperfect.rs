@@ -6,19 +6,15 @@
 //! what is left of the facets and returns as in the ideal cube.
 
 use crate::beams::Share;
+use crate::optics::Rules;
 use crate::tests::bakes;
+use crate::tests::cells::designed;
 use glam::{DVec2, DVec3};
+use meshes::Cell;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions};
-use std::path::Path;
 use tables::Fate;
 
-use crate::tests::exact::cells::{ideal_edges, rules};
-
-fn cell(design: Design) -> Cell {
-    let mesh = design.mesh().expect("a design");
-    meshes::normalise(&mesh, Path::new("design.obj"), &CellOptions::default()).expect("a cell")
-}
+use crate::tests::exact::cells::ideal_edges;
 
 fn single(change: impl FnOnce(&mut Design)) -> Cell {
     let mut design = Design {
@@ -26,7 +22,7 @@ fn single(change: impl FnOnce(&mut Design)) -> Cell {
         ..Design::new(Shape::Triangular)
     };
     change(&mut design);
-    cell(design)
+    designed(&design)
 }
 
 fn area(polygon: &[DVec2]) -> f64 {
@@ -95,7 +91,7 @@ const DIRECTIONS: [(f64, f64); 6] = [
 
 fn at(cell: &Cell, (incidence, azimuth): (f64, f64)) -> (Share, f64) {
     let exact = bakes::exact(cell).expect("planar");
-    let found = exact.direction(incidence, azimuth, 16, 2.0, &rules(1.0));
+    let found = exact.direction(incidence, azimuth, 16, 2.0, &Rules::mirrors(1.0));
     let sum: f64 = found.fate.iter().sum();
     assert!((sum - 1.0).abs() < 1e-12, "{sum}");
     (found, exact.entrance_area())
@@ -253,7 +249,7 @@ fn land_dilutes() {
     for shape in [Shape::Triangular, Shape::TriangularPair, Shape::Canted] {
         for (gap, radius) in [(0.01, 0.0), (0.3, 0.0), (0.1, 0.05)] {
             let [tight, wide] = [0.0, gap].map(|gap| {
-                cell(Design {
+                designed(&Design {
                     edge_length: 1.0,
                     gap,
                     edge_radius: radius,
@@ -296,7 +292,7 @@ fn land_dilutes() {
 fn open_gaps_between_full_cubes_dilute() {
     let mut cases = 0;
     for gap in [0.0, 0.02, 0.4] {
-        let cell = cell(Design {
+        let cell = designed(&Design {
             edge_length: 1.0,
             gap,
             ..Design::new(Shape::FullCube)

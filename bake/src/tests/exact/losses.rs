@@ -10,13 +10,15 @@ use crate::optics::{Backing, Rules};
 use crate::plan::{Plan, Request};
 use crate::run::Comparison;
 use crate::tests::bakes;
+use crate::tests::bakes::asked;
 use glam::DVec3;
 use num_complex::Complex64;
-use tables::options::{Back, Front, Losses, Method, Sampler};
+use tables::options::{Front, Losses, Method, Sampler};
 use tables::{Fate, Table};
 
+use crate::tests::cells::full_cube;
 use crate::tests::exact::cells::{
-    Draw, bent_edges, blunt, canted_edges, full_cube, ideal_edges, pair, rules, single, truncated,
+    Draw, bent_edges, blunt, canted_edges, ideal_edges, pair, single, truncated,
 };
 
 const ALUMINIUM: Complex64 = Complex64::new(0.967, 6.462);
@@ -30,7 +32,7 @@ const SURFACES: [Backing; 4] = [
 fn lossy(index: f64, surface: Backing) -> Rules {
     Rules {
         losses: Some(surface),
-        ..rules(index)
+        ..Rules::mirrors(index)
     }
 }
 
@@ -188,7 +190,7 @@ fn power_is_neither_lost_nor_made() {
                 assert!(found.dropped.abs() < 1e-12);
                 assert!(found.fate.iter().all(|share| *share > -1e-14));
                 // Without losses no less light comes back, and nothing is absorbed.
-                let whole = exact.direction(incidence, azimuth, 32, 2.0, &rules(1.49));
+                let whole = exact.direction(incidence, azimuth, 32, 2.0, &Rules::mirrors(1.49));
                 assert!(found.retroreflected <= whole.retroreflected + 1e-13);
                 assert_eq!(whole.fate[Fate::Absorbed as usize], 0.0);
                 assert!(found.fate[Fate::Absorbed as usize] > 0.03, "the front face");
@@ -207,7 +209,7 @@ fn losses_of_ideal_surfaces_are_none() {
     for _ in 0..50 {
         let (incidence, azimuth) = (60.0 * draw.next(), 360.0 * draw.next());
         let mirror = Backing::Mirror { reflectance: 1.0 };
-        let [with, without] = [lossy(1.0, mirror), rules(1.0)]
+        let [with, without] = [lossy(1.0, mirror), Rules::mirrors(1.0)]
             .map(|rules| exact.direction(incidence, azimuth, 32, 2.0, &rules));
         assert_eq!(with.paths.len(), without.paths.len());
         for (a, b) in with.fate.iter().zip(without.fate) {
@@ -251,7 +253,7 @@ fn total_reflection_ends_at_the_known_angles() {
     for (index, known) in [(1.49, 18.94), (1.5168, 20.72), (1.586, 25.33)] {
         let tir = Rules {
             mirror_back: false,
-            ..rules(index)
+            ..Rules::mirrors(index)
         };
         let limit = |azimuth: f64| {
             let (mut low, mut high) = (0.0, 60.0);
@@ -289,19 +291,15 @@ fn tables(azimuth: &str, sampler: Sampler, threads: usize) -> [Table; 2] {
     let cell = pair(ideal_edges(), true);
     [Method::Exact, Method::Rays].map(|method| {
         let request = Request {
-            incidence: "0,25".into(),
             azimuth: azimuth.into(),
             refractive_index: Some(1.49),
             losses: Losses::Fresnel,
             metal: Some(ALUMINIUM),
             wavelength_nm: Some(550.0),
-            back: Back::Mirror,
-            rays: Some(1 << 17),
-            bins: 32,
             threads: Some(threads),
             method,
             sampler,
-            ..Request::default()
+            ..asked("--incidence 0,25 --back mirror --rays 131072 --bins 32")
         };
         let plan = Plan::new(&request).unwrap();
         bakes::bake(&cell, &plan).unwrap()

@@ -1,13 +1,14 @@
 //! Meshes of many cubes, of which one cube of each kind is baked.
 
 use crate::cell::ExactCell;
+use crate::optics::Rules;
 use crate::tests::bakes;
+use crate::tests::cells::of_mesh;
 use glam::DVec3;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, Mesh, normalise};
-use std::path::Path;
+use meshes::{Cell, Mesh};
 
-use crate::tests::exact::cells::{Draw, rules};
+use crate::tests::exact::cells::Draw;
 
 /// Returns the design's pair of cubes at `places`, given in steps along its sides. Of each pair
 /// only the first `facets` facets are kept.
@@ -31,7 +32,7 @@ fn sheet(places: impl Iterator<Item = (usize, usize, usize)>) -> Cell {
         mesh.triangles
             .extend(triangles.map(|t| t.map(|v| v + first)));
     }
-    normalise(&mesh, Path::new("sheet"), &CellOptions::default()).unwrap()
+    of_mesh(&mesh, |_| ())
 }
 
 /// A sheet of a thousand pairs bakes like one pair. The sheet is 66 edges across. Its coordinates
@@ -49,7 +50,7 @@ fn a_thousand_pairs_bake_like_one() {
         for _ in 0..50 {
             let (incidence, azimuth) = (70.0 * draw.next(), 360.0 * draw.next());
             let [a, b] = [&one, &many]
-                .map(|cell| cell.direction(incidence, azimuth, 64, 2.0, &rules(index)));
+                .map(|cell| cell.direction(incidence, azimuth, 64, 2.0, &Rules::mirrors(index)));
             let apart =
                 |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum() };
             let l1 = apart(&a.histogram, &b.histogram);
@@ -77,8 +78,9 @@ fn kinds_count_as_often_as_they_occur() {
     assert_eq!([triangle.facet_count(), single.facet_count()], [6, 3]);
     let mut cases = 0;
     for (incidence, azimuth) in [(0.0, 0.0), (12.0, 7.0), (30.0, 0.0), (40.0, 60.0)] {
-        let at =
-            |cell: &ExactCell, azimuth| cell.direction(incidence, azimuth, 64, 2.0, &rules(1.0));
+        let at = |cell: &ExactCell, azimuth| {
+            cell.direction(incidence, azimuth, 64, 2.0, &Rules::mirrors(1.0))
+        };
         let found = at(&triangle, azimuth);
         let [upright, turned] = [azimuth, azimuth + 180.0].map(|azimuth| at(&single, azimuth));
         let eta = (2.0 * upright.retroreflected + turned.retroreflected) / 3.0;

@@ -6,18 +6,19 @@
 use crate::optics::{Backing, Incidence, Rules};
 use crate::rays::{Index, Scene, trace};
 use crate::tests::bakes;
+use crate::tests::cells::designed;
 use glam::{DVec2, DVec3};
+use meshes::Cell;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, normalise};
 use tables::Path;
 
-use crate::tests::exact::cells::{Draw, rules};
+use crate::tests::exact::cells::Draw;
 
 fn cell(dihedral_error_rad: [f64; 3]) -> Cell {
-    let mut design = Design::new(Shape::Triangular);
-    design.dihedral_error_rad = dihedral_error_rad;
-    let mesh = design.mesh().unwrap();
-    normalise(&mesh, std::path::Path::new("cube"), &CellOptions::default()).unwrap()
+    designed(&Design {
+        dihedral_error_rad,
+        ..Design::new(Shape::Triangular)
+    })
 }
 
 fn paths(cell: &Cell, incidence: f64, azimuth: f64, rules: &Rules) -> Vec<Path> {
@@ -48,7 +49,7 @@ fn spots_are_where_the_model_has_them() {
             let outside = |inside: f64| (index * inside.sin()).asin();
             // The third order is some e^3, here 1e-9 at most.
             let slack = 10.0 * error.abs().powi(3) + 1e-12;
-            let rules = rules(index);
+            let rules = Rules::mirrors(index);
             let six = spots(&paths(&cell([error; 3]), 0.0, 0.0, &rules));
             assert_eq!(six.len(), 6);
             let expected = 4.0 * (2.0_f64 / 3.0).sqrt() * error.abs() * (1.0 - error / 2.0);
@@ -88,7 +89,7 @@ fn right_angles_deviate_nothing() {
             let (incidence, azimuth) = (60.0 * draw.next(), 360.0 * draw.next());
             let rules = Rules {
                 losses: surface,
-                ..rules(1.49)
+                ..Rules::mirrors(1.49)
             };
             for path in paths(&cell, incidence, azimuth, &rules) {
                 assert_eq!(path.deviation, [0.0; 2]);
@@ -110,7 +111,7 @@ fn directions_are_those_of_rays() {
         let cell = cell(errors);
         let scene = Scene::new(&cell, Index::Loop);
         let (incidence, azimuth) = (50.0 * draw.next(), 360.0 * draw.next());
-        let rules = rules(1.49);
+        let rules = Rules::mirrors(1.49);
         let (theta, phi) = (incidence.to_radians(), azimuth.to_radians());
         let light = Incidence::new(theta, phi, 1.49);
         for path in paths(&cell, incidence, azimuth, &rules) {

@@ -3,12 +3,13 @@
 use crate::cli::comparison_text;
 use crate::plan::{Plan, Request};
 use crate::run::Comparison;
-use crate::tests::bakes;
+use crate::tests::bakes::asked;
+use crate::tests::{bakes, cells};
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh};
 use std::path::Path;
 use tables::Table;
-use tables::options::{Back, Method, Sampler};
+use tables::options::{Back, Method};
 
 /// Number of random rays per direction of a comparison.
 pub(crate) const RAYS: u64 = 200_000;
@@ -59,10 +60,8 @@ impl Light {
             refractive_index: Some(self.index),
             back: self.back,
             method,
-            sampler: Sampler::Random,
             rays: Some(self.rays),
-            bins: 64,
-            ..Request::default()
+            ..asked("--sampler random --bins 64")
         }
     }
 
@@ -159,5 +158,5 @@ pub(crate) fn normalised(mesh: &Mesh) -> Result<Cell, meshes::Error> {
 }
 
 pub(crate) fn cell(shape: Shape) -> Cell {
-    normalised(&Design::new(shape).mesh().expect("a design")).expect("a cell")
+    cells::designed(&Design::new(shape))
 }

@@ -4,6 +4,7 @@ use crate::optics::Rules;
 use crate::plan::Request;
 use crate::rays::{Bins, Index, Kernel, Scene, Sums, Tally};
 use crate::samples::{Launch, Stream};
+use crate::tests::bakes::compare;
 use crate::tests::hard_cases::both::{Light, bake, cell, sound};
 use meshes::design::Shape;
 use ndarray::{Array4, Array5};
@@ -77,12 +78,7 @@ fn the_last_samples() {
     ] {
         let stream = Stream::new(sampler, 5, 20.0, 30.0, 15);
         for rays in [long, short] {
-            let (mut fast, mut plain) = (Tally::new(&bins), Tally::new(&bins));
-            kernel.trace(&stream, end - rays..end, &mut fast);
-            kernel.trace_one_by_one(&stream, end - rays..end, &mut plain);
-            assert_eq!(fast.fates, plain.fates, "{sampler:?} up to {end}");
-            assert!(fast.histogram[..bins.len()] == plain.histogram[..bins.len()]);
-            assert_eq!(fast.fates.iter().sum::<u64>(), rays);
+            compare(&kernel, &bins, &stream, end - rays..end);
             cases += 1;
         }
         let first: std::collections::HashSet<[u32; 2]> =

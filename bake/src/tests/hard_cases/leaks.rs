@@ -28,7 +28,7 @@ fn wanted() -> u64 {
     })
 }
 
-fn inside(polygon: &[DVec2], p: DVec2, margin: f64) -> bool {
+pub(crate) fn inside(polygon: &[DVec2], p: DVec2, margin: f64) -> bool {
     (0..polygon.len()).all(|i| {
         let side = polygon[(i + 1) % polygon.len()] - polygon[i];
         side.perp_dot(p - polygon[i]) >= margin * side.length()

@@ -2,7 +2,7 @@
 
 use hdf5::{File, Result};
 
-use crate::error::error::Error;
+use crate::error::Error;
 use crate::file::layout::flat::Flat;
 use crate::file::layout::names::deviation;
 use crate::file::layout::place::Place;
@@ -59,12 +59,9 @@ pub(crate) fn load(
         place: places,
         rays,
     };
-    let entries = flat.entries().map_err(|index| Error::Scale {
-        file: root.file.to_owned(),
-        dataset: place.named(deviation::START),
-        index,
-        expected: format!("ascending from 0 to {}", shape[0]),
-        found: flat.start[index].to_string(),
+    let entries = flat.entries().map_err(|index| {
+        let expected = format!("ascending from 0 to {}", shape[0]);
+        place.differs(deviation::START, index, expected, flat.start[index])
     })?;
     Ok(Some(Deviations { grid, entries }))
 }

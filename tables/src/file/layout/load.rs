@@ -7,7 +7,7 @@ use std::path::Path as FilePath;
 use hdf5::File;
 use ndarray::{Array2, Array4, Array5, Dimension};
 
-use crate::error::error::Error;
+use crate::error::{BAKE_AGAIN, Error, NAME_A_TABLE};
 use crate::file::layout::names::{self, Variable, attribute};
 use crate::file::layout::place::{Place, ROUNDING, near};
 use crate::file::layout::{deviations, polygons};
@@ -29,25 +29,18 @@ pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Erro
     let root = Place::new(file, path, "", &ledger)?;
     let format = root.text(attribute::FORMAT)?;
     if format != names::FORMAT {
-        return Err(Error::Format {
-            file: path.to_owned(),
-            found: format,
-            expected: names::FORMAT,
-        });
+        let fault = format!("attribute format is {format:?}, not {:?}", names::FORMAT);
+        return Err(Error::file(path, fault, NAME_A_TABLE));
     }
     let found: u64 = root.integer(attribute::VERSION)?;
     if !(1..=names::VERSION).contains(&found) {
-        return Err(Error::Version {
-            file: path.to_owned(),
-            found,
-            newest: names::VERSION,
-        });
+        let newest = names::VERSION;
+        let fault = format!("is of format version {found}, this program reads 1 to {newest}");
+        let remedy = "update the program or bake the table again";
+        return Err(Error::file(path, fault, remedy));
     }
-    let invalid = |source| Error::Invalid {
-        file: path.to_owned(),
-        source,
-    };
-    let provenance = provenance(&root, path)?;
+    let invalid = |broken| Error::file(path, broken, BAKE_AGAIN);
+    let provenance = provenance(&root)?;
     let axes = Axes {
         incidence_deg: root.scale(&names::INCIDENCE)?,
         azimuth_deg: root.scale(&names::AZIMUTH)?,
@@ -138,19 +131,19 @@ fn agree<D: Dimension>(
     // NaN agrees with nothing.
     let differ = |&(_, (a, b)): &(usize, (&f64, &f64))| !near(*a, *b, ROUNDING);
     match stored.iter().zip(computed).enumerate().find(differ) {
-        Some((index, (&stored, &computed))) => Err(Error::Derived {
-            file: path.to_owned(),
-            dataset: variable.name,
-            index,
-            stored,
-            computed,
-        }),
+        Some((index, (stored, computed))) => {
+            let name = variable.name;
+            let fault = format!(
+                "dataset {name} is {stored} at flat index {index}, but the counts give {computed}"
+            );
+            Err(Error::file(path, fault, BAKE_AGAIN))
+        }
         None => Ok(()),
     }
 }
 
 /// Reads the provenance from the root attributes.
-fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
+fn provenance(root: &Place) -> Result<Provenance, Error> {
     let lattice = match root.attributes.contains(attribute::LATTICE) {
         true => Some(root.numbers::<4>(attribute::LATTICE)?)
             .map(|[ax, ay, bx, by]| [[ax, ay], [bx, by]]),
@@ -159,11 +152,9 @@ fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
     let shards = match root.attributes.contains(attribute::SHARDS) {
         true => {
             let text = root.text(attribute::SHARDS)?;
-            let record = text.parse().map_err(|()| Error::AttributeType {
-                file: path.to_owned(),
-                attribute: attribute::SHARDS.into(),
-                expected: "shards such as 1-3,7/8 of 4194304 rays",
-                found: text,
+            let record = text.parse().map_err(|()| {
+                let fault = format!("is {text}, expected shards such as 1-3,7/8 of 4194304 rays");
+                root.wrong("attribute", attribute::SHARDS, fault)
             })?;
             Some(record)
         }

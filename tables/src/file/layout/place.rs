@@ -3,6 +3,7 @@
 //! Name, type, shape and size are checked before anything is read.
 
 use std::collections::HashSet;
+use std::fmt::Display;
 use std::path::Path as FilePath;
 
 use hdf5::dataset::Layout;
@@ -13,7 +14,7 @@ use hdf5::types::{
 use hdf5::{Attribute, Dataset, Group, H5Type, LinkType};
 use ndarray::{ArrayD, Dimension, IxDyn};
 
-use crate::error::error::Error;
+use crate::error::{BAKE_AGAIN, BAKE_LESS, Error};
 use crate::file::layout::names::{self, MOST_BYTES, Scale, Variable};
 use crate::file::ledger::Ledger;
 use crate::table::axes::Axes;
@@ -46,11 +47,7 @@ impl<'a> Place<'a> {
         prefix: &'static str,
         ledger: &'a Ledger,
     ) -> Result<Place<'a>, Error> {
-        let failed = |source| Error::Hdf5 {
-            file: file.to_owned(),
-            place: format!("group /{prefix}"),
-            source,
-        };
+        let failed = |error| Error::hdf5(file, &format!("group /{prefix}"), &error);
         let mut links = HashSet::new();
         let visit = group.iter_visit_default(|name, info| {
             // A soft link may loop, and an external link leaves the file. Neither is part of a
@@ -93,12 +90,14 @@ impl<'a> Place<'a> {
 
     /// Returns a function that makes the error for an object that the library refuses.
     pub(crate) fn hdf5(&self, kind: &str, name: &str) -> impl Fn(hdf5::Error) -> Error {
-        let (file, place) = (self.file.to_owned(), format!("{kind} {}", self.named(name)));
-        move |source| Error::Hdf5 {
-            file: file.clone(),
-            place: place.clone(),
-            source,
-        }
+        let place = format!("{kind} {}", self.named(name));
+        move |error| Error::hdf5(self.file, &place, &error)
+    }
+
+    /// Makes the error for an attribute or a dataset that a table does not have so.
+    pub(crate) fn wrong(&self, kind: &str, name: &str, fault: impl Display) -> Error {
+        let fault = format!("{kind} {} {fault}", self.named(name));
+        Error::file(self.file, fault, BAKE_AGAIN)
     }
 
     /// Returns an attribute with its type, if type and number of values are as expected.
@@ -109,10 +108,7 @@ impl<'a> Place<'a> {
         expected: &'static str,
     ) -> Result<(Attribute, TypeDescriptor), Error> {
         if !self.attributes.contains(name) {
-            return Err(Error::MissingAttribute {
-                file: self.file.to_owned(),
-                attribute: self.named(name),
-            });
+            return Err(self.wrong("attribute", name, "is missing"));
         }
         let failed = self.hdf5("attribute", name);
         let attribute = self.group.attr(name).map_err(&failed)?;
@@ -146,12 +142,8 @@ impl<'a> Place<'a> {
             Ok(kind) => format!("{kind} of shape {shape:?}"),
             Err(other) => format!("{other} of shape {shape:?}"),
         };
-        Err(Error::AttributeType {
-            file: self.file.to_owned(),
-            attribute: self.named(name),
-            expected,
-            found,
-        })
+        let fault = format!("is {found}, expected {expected}");
+        Err(self.wrong("attribute", name, fault))
     }
 
     /// Returns the element type, or the words for a type that has no Rust counterpart.
@@ -166,12 +158,8 @@ impl<'a> Place<'a> {
         let (attribute, kind) = self.attribute(name, 1, "a text")?;
         let texts = texts(&attribute, &kind).map_err(self.hdf5("attribute", name))?;
         let bytes = texts.into_iter().next().unwrap_or_default();
-        String::from_utf8(bytes).map_err(|_| Error::AttributeType {
-            file: self.file.to_owned(),
-            attribute: self.named(name),
-            expected: "a text",
-            found: "not UTF-8".to_owned(),
-        })
+        String::from_utf8(bytes)
+            .map_err(|_| self.wrong("attribute", name, "is not UTF-8, expected a text"))
     }
 
     /// Reads an attribute that is a number.
@@ -203,9 +191,8 @@ impl<'a> Place<'a> {
         name: &str,
         allowed: &[TypeDescriptor],
     ) -> Result<(Dataset, TypeDescriptor, Vec<usize>), Error> {
-        let (file, dataset) = (self.file.to_owned(), self.named(name));
         if !self.has(name) {
-            return Err(Error::MissingDataset { file, dataset });
+            return Err(self.wrong("dataset", name, "is missing"));
         }
         let failed = self.hdf5("dataset", name);
         let found = self.group.dataset(name).map_err(&failed)?;
@@ -213,14 +200,9 @@ impl<'a> Place<'a> {
         let kind = match kind {
             Ok(kind) if allowed.contains(&kind) => kind,
             other => {
-                let expected = allowed[0].to_string();
                 let found = other.map_or_else(|other| other, |kind| kind.to_string());
-                return Err(Error::DatasetType {
-                    file,
-                    dataset,
-                    expected,
-                    found,
-                });
+                let fault = format!("holds {found}, expected {}", allowed[0]);
+                return Err(self.wrong("dataset", name, fault));
             }
         };
         let shape = found.get_shape().map_err(&failed)?;
@@ -230,19 +212,17 @@ impl<'a> Place<'a> {
             .try_fold(8_u128, u128::checked_mul)
             .unwrap_or(u128::MAX);
         if bytes > u128::from(MOST_BYTES) {
-            return Err(Error::DatasetSize {
-                file,
-                dataset,
-                bytes,
-                limit: MOST_BYTES,
-            });
+            let dataset = self.named(name);
+            let fault =
+                format!("dataset {dataset} claims {bytes} bytes, above the limit of {MOST_BYTES}");
+            return Err(Error::file(self.file, fault, BAKE_LESS));
         }
         match unusual_storage(&found).map_err(&failed)? {
-            Some(found) => Err(Error::Storage {
-                file,
-                dataset,
-                found,
-            }),
+            Some(found) => Err(Error::file(
+                self.file,
+                format!("dataset {} is stored {found}", self.named(name)),
+                "copy the table with h5repack or bake it again",
+            )),
             None => Ok((found, kind, shape)),
         }
     }
@@ -264,13 +244,8 @@ impl<'a> Place<'a> {
                 .iter()
                 .map(|n| n.map_or("n".to_owned(), |n| n.to_string()))
                 .collect();
-            let expected = format!("[{}]", sides.join(", "));
-            return Err(Error::Shape {
-                file: self.file.to_owned(),
-                dataset: self.named(name),
-                expected,
-                found: shape,
-            });
+            let fault = format!("has shape {shape:?}, expected [{}]", sides.join(", "));
+            return Err(self.wrong("dataset", name, fault));
         }
         self.ledger
             .enter(self.file, 8 * shape.iter().product::<usize>() as u64)?;
@@ -299,21 +274,16 @@ impl<'a> Place<'a> {
         Ok(self.flat(scale.name, &[None])?.0)
     }
 
-    /// Makes the error for a scale that differs from the axes.
+    /// Makes the error for a dataset that differs from what the others ask for.
     pub(crate) fn differs(
         &self,
-        scale: &Scale,
+        name: &str,
         index: usize,
-        expected: String,
-        found: String,
+        expected: impl Display,
+        found: impl Display,
     ) -> Error {
-        Error::Scale {
-            file: self.file.to_owned(),
-            dataset: self.named(scale.name),
-            index,
-            expected,
-            found,
-        }
+        let fault = format!("is {found} at index {index}, expected {expected}");
+        self.wrong("dataset", name, fault)
     }
 
     /// Checks that a scale holds the centres of the bins.
@@ -322,9 +292,7 @@ impl<'a> Place<'a> {
         let wrong =
             |&(i, found): &(usize, &f64)| !near(*found, axes.bin_centre(i), ROUNDING * axes.range);
         match centres.iter().enumerate().find(wrong) {
-            Some((i, found)) => {
-                Err(self.differs(scale, i, axes.bin_centre(i).to_string(), found.to_string()))
-            }
+            Some((i, found)) => Err(self.differs(scale.name, i, axes.bin_centre(i), found)),
             None => Ok(()),
         }
     }
@@ -334,14 +302,8 @@ impl<'a> Place<'a> {
         let scale = &names::FATE_NAME;
         let (dataset, kind, shape) = self.dataset(scale.name, &TEXTS)?;
         if shape != [fates.len()] {
-            let expected = format!("[{}]", fates.len());
-            let dataset = self.named(scale.name);
-            return Err(Error::Shape {
-                file: self.file.to_owned(),
-                dataset,
-                expected,
-                found: shape,
-            });
+            let fault = format!("has shape {shape:?}, expected [{}]", fates.len());
+            return Err(self.wrong("dataset", scale.name, fault));
         }
         let names = texts(&dataset, &kind).map_err(self.hdf5("dataset", scale.name))?;
         match names
@@ -350,8 +312,8 @@ impl<'a> Place<'a> {
             .position(|(name, fate)| name != fate.name().as_bytes())
         {
             Some(i) => {
-                let found = String::from_utf8_lossy(&names[i]).into_owned();
-                Err(self.differs(scale, i, fates[i].name().to_owned(), found))
+                let found = String::from_utf8_lossy(&names[i]);
+                Err(self.differs(scale.name, i, fates[i].name(), found))
             }
             None => Ok(()),
         }
@@ -366,7 +328,7 @@ impl<'a> Place<'a> {
             .enumerate()
             .find(|&(i, &index)| i as u64 != index)
         {
-            Some((i, found)) => Err(self.differs(scale, i, i.to_string(), found.to_string())),
+            Some((i, found)) => Err(self.differs(scale.name, i, i, found)),
             None => Ok(indices.len()),
         }
     }

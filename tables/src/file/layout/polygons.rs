@@ -1,6 +1,6 @@
 //! Polygons of an exact table: ragged in memory, flat in the file.
 
-use crate::error::error::Error;
+use crate::error::Error;
 use crate::file::layout::names::exact;
 use crate::file::layout::place::{Element, Place};
 use crate::table::exact::Exact;
@@ -18,13 +18,8 @@ pub(crate) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Err
     let place = root.inside(&group, "exact/")?;
     let (start, shape) = place.flat::<u64>(exact::POLYGON_START, &[None])?;
     let Some(count) = shape[0].checked_sub(1) else {
-        let dataset = place.named(exact::POLYGON_START);
-        return Err(Error::Shape {
-            file: root.file.to_owned(),
-            dataset,
-            expected: "[paths + 1]".into(),
-            found: shape,
-        });
+        let fault = format!("has shape {shape:?}, expected [paths + 1]");
+        return Err(place.wrong("dataset", exact::POLYGON_START, fault));
     };
     let (direction, _) = place.flat::<u64>(exact::PATH_DIRECTION, &[Some(count)])?;
     let (matrix, _) = place.flat::<f64>(exact::PATH_MATRIX, &[Some(count), Some(2), Some(2)])?;
@@ -47,12 +42,8 @@ pub(crate) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Err
         start,
         vertex,
     };
-    let paths = flat.paths(directions).map_err(|misfit| Error::Scale {
-        file: root.file.to_owned(),
-        dataset: place.named(misfit.array),
-        index: misfit.index,
-        expected: misfit.expected,
-        found: misfit.found.to_string(),
+    let paths = flat.paths(directions).map_err(|misfit| {
+        place.differs(misfit.array, misfit.index, misfit.expected, misfit.found)
     })?;
     Ok(Some(Exact {
         entrance_area: place.number(exact::ENTRANCE_AREA)?,

@@ -1,0 +1,85 @@
+//! Errors of tables and command lines: one sentence each, with the place and the remedy.
+
+use std::path::{Path, PathBuf};
+
+/// Remedy for a table whose numbers or attributes contradict one another.
+pub(crate) const BAKE_AGAIN: &str = "bake the table again";
+
+/// Remedy for a name that belongs to no table.
+pub(crate) const NAME_A_TABLE: &str = "name a table written by `bake trace`";
+
+/// Remedy for a table that is too large.
+pub(crate) const BAKE_LESS: &str = "bake fewer directions or bins";
+
+/// Remedy for a file whose bytes have changed.
+pub(crate) const COPY_AGAIN: &str = "copy it again or bake it again";
+
+/// Reason why a table could not be read, written, merged or looked up, or a result not be printed.
+///
+/// Each message is one sentence that names the place and the remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// File that cannot be read or written, or that holds no sound table.
+    #[error("{}: {fault}; {remedy}", file.display())]
+    File {
+        /// Path of the file.
+        file: PathBuf,
+        /// Fault, with the dataset or attribute in which it is.
+        fault: String,
+        /// Remedy.
+        remedy: &'static str,
+    },
+    /// Refusal of the process that reads tables, a sentence like the others here.
+    #[error("{0}")]
+    Told(String),
+    /// Tables that cannot be merged. Tables are numbered from 0.
+    #[error("{fault}; {remedy}")]
+    Merge {
+        /// Field or rays, and the tables that contradict one another.
+        fault: String,
+        /// Remedy.
+        remedy: String,
+    },
+    /// Direction that the table cannot answer for, with the remedy.
+    #[error("{0}")]
+    Direction(String),
+    /// Extension of a plot that names no format.
+    #[error("{}: the extension must be .png or .svg", .0.display())]
+    PlotExtension(PathBuf),
+    /// Standard output that cannot be written.
+    ///
+    /// A closed pipe is no error: its reader has seen enough.
+    #[error(
+        "standard output cannot be written ({0}); check the pipe, free some space, or use -o \
+        where the verb has it"
+    )]
+    Stdout(std::io::Error),
+    /// Threads that could not be started.
+    #[error("--threads {threads}: the threads could not be started ({reason}); ask for fewer")]
+    Threads {
+        /// Number of threads that were asked for; 0 for one per core.
+        threads: usize,
+        /// Reason that the thread library gives.
+        reason: String,
+    },
+}
+
+impl Error {
+    /// Makes the error of a file.
+    pub fn file(file: &Path, fault: impl ToString, remedy: &'static str) -> Error {
+        Error::File {
+            file: file.to_owned(),
+            fault: fault.to_string(),
+            remedy,
+        }
+    }
+
+    /// Makes the error of a file of which the HDF5 library cannot read or write `place`.
+    pub(crate) fn hdf5(file: &Path, place: &str, error: &hdf5::Error) -> Error {
+        Error::file(
+            file,
+            format!("{place} cannot be read or written ({error})"),
+            "the file is cut short or damaged, copy it again or bake it again",
+        )
+    }
+}
