@@ -6,7 +6,6 @@ use meshes::Fault;
 use thiserror::Error;
 
 use crate::plan::PlanError;
-use crate::plots::PlotError;
 use crate::run::RunError;
 use crate::study::StudyError;
 
@@ -34,8 +33,12 @@ pub(crate) enum Failure {
     Study(#[from] StudyError),
     #[error(transparent)]
     Table(#[from] tables::Error),
-    #[error(transparent)]
-    Plot(#[from] PlotError),
+    #[error(
+        "--plot-deviations: nothing to plot, because the table records no light that leaves in \
+        another direction than straight back; either its cells are ideal, or it was baked with \
+        --deviations off"
+    )]
+    Straight,
     #[error("{} and {}: {reason}; bake both with the same --incidence, --azimuth, --bins and \
     --range",
         first.display(), second.display())]
@@ -142,8 +145,7 @@ impl Failure {
             | Failure::NotJoined { .. }
             | Failure::Design(_)
             | Failure::MeshExtension(_)
-            | Failure::Terminal(tables::cli::Error::PlotExtension(_))
-            | Failure::Plot(PlotError::Format(_)) => 2,
+            | Failure::Terminal(tables::cli::Error::PlotExtension(_)) => 2,
             // Faults of options that only the code of meshes can check.
             Failure::Mesh(error) => match *error.fault {
                 Fault::EdgeLength { .. }

@@ -23,6 +23,8 @@ mod explore;
 mod exponent;
 mod export;
 mod exposure;
+#[cfg(feature = "report")]
+mod figures;
 mod forward;
 mod jpeg;
 mod known;

@@ -29,7 +29,8 @@ pub enum Error {
         source: std::io::Error,
     },
     /// File of a plot whose extension names no known format.
-    #[error("{}: the extension must be .png or .svg", .0.display())]
+    #[error("{}: the extension must be .svg; browsers show and print SVG, and Inkscape makes PNG or \
+        PDF of it", .0.display())]
     PlotExtension(PathBuf),
     /// Threads that could not be started.
     #[error(transparent)]
