@@ -52,6 +52,14 @@ fn panel(head: String, end: f64, unit: &str, curves: Vec<Curve>) -> Facet {
     Facet::new(head, axes, [&format!("frequency ({unit})"), "MTF"], curves)
 }
 
+/// Returns how many panels stand beside each other, in rows as even as can be.
+fn beside(panels: usize) -> usize {
+    match panels {
+        0..=4 => 2,
+        many => many.div_ceil(many.div_ceil(5)),
+    }
+}
+
 /// Measured MTF of one photograph.
 pub(crate) struct Shown<'a> {
     /// Name in the legend.
@@ -160,8 +168,9 @@ pub(crate) fn fitted(result: &ResultFile) -> String {
         "MTF measured (dots) and modelled (lines), kernel {}",
         result.kernel.name()
     );
-    let columns = if incidences.len() > 4 { 5 } else { 2 };
-    Figure::new(title, panels.collect(), columns).svg()
+    let panels: Vec<Facet> = panels.collect();
+    let columns = beside(panels.len());
+    Figure::new(title, panels, columns).svg()
 }
 
 /// Draws the predicted MTF as SVG: one panel per distance and axis, one curve per incidence.
@@ -398,7 +407,7 @@ pub(crate) fn around(all: &[Around], frequency_per_mm: &[f64]) -> String {
         let azimuth = place
             .azimuth_deg
             .map_or(String::new(), |a| format!(", azimuth {a}\u{b0}"));
-        let head = format!("{distance} mm, incidence {incidence}\u{b0}{azimuth}");
+        let head = format!("{distance} mm\nincidence {incidence}\u{b0}{azimuth}");
         let axes = [Axis::linear(-1.25, 1.25); 2];
         Facet {
             ground: Ground::Circles,
@@ -406,7 +415,7 @@ pub(crate) fn around(all: &[Around], frequency_per_mm: &[f64]) -> String {
             ..Facet::new(head, axes, ["", ""], curves.collect())
         }
     };
-    let columns = if all.len() > 4 { 5 } else { 2 };
+    let columns = beside(all.len());
     let title = "MTF by direction of contrast: 0\u{b0} tangential, 90\u{b0} sagittal";
     Figure {
         frame: [220.0; 2],

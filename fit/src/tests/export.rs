@@ -314,5 +314,5 @@ fn all_around_is_the_axes_and_between() {
             "{name}: there is one legend"
         );
     }
-    assert!(picture.contains("300 mm, incidence 30°, azimuth 20°"));
+    assert!(picture.contains(">300 mm<") && picture.contains(">incidence 30°, azimuth 20°<"));
 }

@@ -4,16 +4,17 @@ use charts::check::faults;
 use serde_json::json;
 
 use crate::estimate::Kind;
-use crate::names::Kernel;
+use crate::names::{Kernel, LobeShape};
 use crate::predict::{Around, Axis, Prediction};
 use crate::report::plot::{Shown, against, around, fitted, measured, predicted};
 use crate::report::{Variable, picture};
-use crate::result::ResultFile;
+use crate::result::{ResultFile, TableResult};
 use crate::samples::Sequence;
 use crate::study::forward::{Errors, Row as Render};
 use crate::study::given::Fit;
 use crate::study::summary::Row;
 use crate::study::{Figure, LOSSES, PARAMETERS, Speed, Study, Summary};
+use crate::tests::planted;
 
 const FREQUENCY: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 
@@ -147,6 +148,8 @@ fn measured_curves() {
 /// Draws the result of photographs at `incidences` angles, `distances` distances, two edges each.
 #[test]
 fn fitted_curves() {
+    let truth = planted::truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.2, 0.5);
+    let table = planted::table(&truth, &[0.0, 30.0], 20.0);
     for (incidences, distances, edges) in [(1, 1, 1), (2, 2, 2), (19, 8, 1), (3, 30, 2)] {
         let mut captures = Vec::new();
         for k in 0..incidences * distances * edges {
@@ -165,7 +168,7 @@ fn fitted_curves() {
             "covariance": { "names": [], "matrix": [] }, "bounds": {}, "candidates": [],
             "captures": captures, "half_mirror": 0.25, "warnings": [],
             "camera": { "pixel_pitch_mm": 0.1, "lens_blur_mm": null, "lens_exponent": null },
-            "table": { "design": long(0), "mesh_sha256": "", "refractive_index": 1.0 },
+            "table": TableResult::of(&table),
         }))
         .expect("a result");
         whole(&fitted(&result));

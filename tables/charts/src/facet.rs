@@ -3,7 +3,7 @@
 use crate::axis::Axis;
 use crate::image::Image;
 use crate::legend::{Dash, Stroke};
-use crate::panel::{Panel, text};
+use crate::panel::{ACROSS, Panel, text};
 use crate::text::{LINE, SMALL, width};
 
 /// How the points of a curve are drawn.
@@ -127,6 +127,12 @@ impl Facet {
             .iter()
             .map(|(_, name)| width(name, SMALL))
             .fold(0.0, f64::max)
+    }
+
+    /// Returns the widths of the numbers below a panel, with a space.
+    pub(crate) fn across(&self) -> impl Iterator<Item = f64> {
+        let ticks = self.axes[0].ticks(ACROSS).into_iter();
+        ticks.map(|(_, name)| width(&name, SMALL) + 4.0)
     }
 
     /// Returns the names of the curves and where they end, from above.

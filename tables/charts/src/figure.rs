@@ -99,9 +99,12 @@ impl Figure {
             .fold(0.0, f64::max);
         let beside = LINE * named as f64 + numbers + 9.0;
         let left = AROUND + beside;
-        let pitch_x = wide + labels + BETWEEN[0] + if is_shared { 0.0 } else { beside };
+        // The last number of a panel does not meet the first one of the next.
+        let across = self.facets.iter().flat_map(Facet::across);
+        let across = across.fold(BETWEEN[0], f64::max);
+        let pitch_x = wide + labels + across + if is_shared { 0.0 } else { beside };
         let right = left + pitch_x * (columns - 1) as f64 + wide;
-        let total = (right + labels.max(BETWEEN[0]) + AROUND).max(LEAST);
+        let total = (right + labels.max(across) + AROUND).max(LEAST);
 
         // Above the panels.
         let most = total - 2.0 * AROUND;
@@ -122,7 +125,7 @@ impl Figure {
         y += 6.0;
         let found = self.keys_of_curves();
         let legend = match &self.bar {
-            Some(scale) if scale.highest > 0.0 => bar(scale, [AROUND, y], most),
+            Some(scale) if scale.highest > 0.0 => bar(scale, [left, y], most - beside),
             _ if !is_direct => keys(&found, [AROUND, y], most),
             _ => (String::new(), 0.0),
         };
@@ -143,11 +146,11 @@ impl Figure {
             .max()
             .unwrap_or(0);
         let top = y + LINE * heads as f64 + 4.0;
-        let below = self
-            .facets
-            .iter()
-            .map(|facet| wrap(&facet.names[0], SMALL, wide).len());
-        let below = NUMBERS + NAME + LINE * below.max().unwrap_or(1).saturating_sub(1) as f64;
+        let lines = |facet: &Facet| match facet.names[0].as_str() {
+            "" => -NAME,
+            name => LINE * (wrap(name, SMALL, wide).len() - 1) as f64,
+        };
+        let below = NUMBERS + NAME + self.facets.iter().map(lines).fold(-NAME, f64::max);
         let pitch_y =
             high + 4.0 + LINE * heads as f64 + BETWEEN[1] + if is_shared { 0.0 } else { below };
         for (k, facet) in self.facets.iter().enumerate() {
@@ -304,6 +307,10 @@ mod tests {
         let facets = [
             one.clone(),
             facet(azimuths("")),
+            Facet {
+                axes: [Axis::linear(0.0, 0.25); 2],
+                ..one.clone()
+            },
             facet(azimuths(
                 "a sheet with a name that is longer than the legend is wide, azimuth ",
             )),

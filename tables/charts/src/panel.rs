@@ -6,7 +6,7 @@ use crate::axis::Axis;
 use crate::text::{SMALL, escape, width};
 
 /// Number of ticks across, about.
-const ACROSS: usize = 5;
+pub(crate) const ACROSS: usize = 5;
 
 /// Rectangle of the picture with two axes.
 ///
