@@ -339,7 +339,7 @@ mod tests {
         ];
         assert_eq!(cells.density, expected);
         assert_eq!(cells.filled(), Some([[0, 3], [0, 3]]));
-        assert_eq!(cells.light().count(), 8);
+        assert_eq!(cells.light().count(), 7);
     }
 
     /// Checks the light of polygons that are cut by cells, and of those that leave them: the sides
