@@ -141,10 +141,8 @@ impl Facet {
         let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
         let mut ends: Vec<(&str, [f64; 2])> = named
             .filter_map(|curve| {
-                let places = curve.points.iter().map(|&[x, y]| panel.at(x, y));
-                let [x, y] = places
-                    .filter(|at| at.iter().all(|v| v.is_finite()))
-                    .next_back()?;
+                let mut places = curve.points.iter().map(|&[x, y]| panel.at(x, y));
+                let [x, y] = places.rfind(|at| at.iter().all(|v| v.is_finite()))?;
                 // A name does not leave the sides of the panel.
                 Some((
                     curve.name.as_str(),

@@ -57,6 +57,10 @@ impl Figure {
     }
 
     /// Draws the figure as a file that needs nothing else.
+    #[allow(
+        clippy::too_many_lines,
+        reason = "each step of the layout needs the places of those before"
+    )]
     pub fn svg(&self) -> String {
         let columns = self.columns.clamp(1, self.facets.len().max(1));
         let rows = self.facets.len().div_ceil(columns);
