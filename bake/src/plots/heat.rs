@@ -35,6 +35,9 @@ pub(crate) enum Content {
 /// Rectangle: its lowest and its highest corner.
 type Extent = (DVec2, DVec2);
 
+/// Closed lines around polygons.
+type Outlines = Vec<Vec<[f64; 2]>>;
+
 /// Rectangle that holds nothing.
 const NOTHING: Extent = (DVec2::INFINITY, DVec2::NEG_INFINITY);
 
@@ -141,7 +144,7 @@ impl Content {
     }
 
     /// Returns cells with the densities, and the outlines of polygons where there are few.
-    fn cells(self, extent: Extent, count: [usize; 2]) -> (Cells, Vec<Vec<[f64; 2]>>) {
+    fn cells(self, extent: Extent, count: [usize; 2]) -> (Cells, Outlines) {
         let sheets = match self {
             Content::Bins(bins) => return (bins, Vec::new()),
             Content::Sheets(sheets) => sheets,
@@ -268,7 +271,7 @@ impl Picture {
         let frame = [width, width * (high.y - low.y) / (high.x - low.x)];
         let count = frame.map(|length| (FINE * length).round() as usize);
         let panels = self.panels.into_iter();
-        let panels: Vec<(String, Cells, Vec<Vec<[f64; 2]>>)> = panels
+        let panels: Vec<(String, Cells, Outlines)> = panels
             .map(|panel| {
                 let (cells, outlines) = panel.content.cells(extent, count);
                 (panel.head, cells, outlines)

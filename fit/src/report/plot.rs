@@ -269,6 +269,16 @@ impl Variable {
         }
     }
 
+    /// Returns the name of an axis with the variable.
+    const fn label(self) -> &'static str {
+        match self {
+            Variable::Incidence => "incidence (\u{b0})",
+            Variable::Azimuth => "azimuth (\u{b0})",
+            Variable::Distance => "floating distance (mm)",
+            Variable::Direction => "direction (\u{b0})",
+        }
+    }
+
     /// Describes the value of the variable at a place, for example "incidence 20°".
     fn words(self, p: &Prediction) -> Option<String> {
         let value = self.of(p)?;
@@ -328,12 +338,6 @@ pub(crate) fn against(
         [first, .., last] => Axis::linear(first, last),
         ref few => Axis::around(few.iter().copied()),
     };
-    let label = match variable {
-        Variable::Incidence => "incidence (\u{b0})",
-        Variable::Azimuth => "azimuth (\u{b0})",
-        Variable::Distance => "floating distance (mm)",
-        Variable::Direction => "direction (\u{b0})",
-    };
     let panels = AXES.map(|(axis, head)| {
         let mut curves = Vec::new();
         for (i, name) in places.iter().enumerate() {
@@ -353,7 +357,12 @@ pub(crate) fn against(
         }
         Facet {
             shades: outside(predictions, variable),
-            ..Facet::new(head, [x, Axis::linear(0.0, 1.0)], [label, "MTF"], curves)
+            ..Facet::new(
+                head,
+                [x, Axis::linear(0.0, 1.0)],
+                [variable.label(), "MTF"],
+                curves,
+            )
         }
     });
     let mut figure = Figure::new("MTF of the mid-air image", panels.into(), 2);

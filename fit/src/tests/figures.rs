@@ -108,7 +108,7 @@ fn curves_all_around() {
     let place = |k: usize| Around {
         floating_distance_mm: 150.0 * k as f64,
         incidence_deg: 12.5,
-        azimuth_deg: (k % 2 == 0).then_some(355.0),
+        azimuth_deg: k.is_multiple_of(2).then_some(355.0),
         direction_deg: vec![0.0, 90.0, 180.0, 270.0, 360.0],
         mtf: match k {
             3 => Vec::new(),
@@ -130,7 +130,7 @@ fn measured_curves() {
         frequency: &FREQUENCY,
         mtf: &mtf,
         standard_error: &[0.01; 5],
-        half: (k % 2 == 0).then_some(1.7),
+        half: k.is_multiple_of(2).then_some(1.7),
     };
     let one = Shown {
         frequency: &FREQUENCY[..1],
