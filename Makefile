@@ -292,19 +292,19 @@ demo: build
 	@$(BIN)/bake design triangular-pair -o demo/pair.obj
 	@$(BIN)/bake trace demo/pair.obj -o demo/pair.h5 --refractive-index 1.49 --incidence 0:45:5 \
 		--azimuth 30
-	@$(BIN)/bake inspect demo/pair.h5 --plot demo/shift.png
+	@$(BIN)/bake inspect demo/pair.h5 --plot demo/shift.svg
 	@$(BIN)/fit estimate $(CAMPAIGN)/captures.toml --table demo/pair.h5 \
 		--truth $(CAMPAIGN)/truth.json \
-		-o demo/result.json --plot demo/mtf.png --report demo/report.html
+		-o demo/result.json --plot demo/mtf.svg --report demo/report.html
 	@$(BIN)/fit explore demo/result.json --table demo/pair.h5 -o demo/explore.html
 	@echo
 	@echo "demo/explore.html a sign and its mid-air image, with sliders: open this first"
 	@echo "demo/report.html  the estimate on one page"
 	@echo "demo/pair.obj     the mesh of one cell"
 	@echo "demo/pair.h5      its ray-shift table"
-	@echo "demo/shift.png    the histograms of the ray shift"
+	@echo "demo/shift.svg    the histograms of the ray shift"
 	@echo "demo/result.json  a, c and mu with standard errors and covariance"
-	@echo "demo/mtf.png      measured and modelled MTF of every photograph"
+	@echo "demo/mtf.svg      measured and modelled MTF of every photograph"
 
 clean:
 	$(CARGO) clean

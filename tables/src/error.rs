@@ -43,8 +43,9 @@ pub enum Error {
     /// Direction that the table cannot answer for, with the remedy.
     #[error("{0}")]
     Direction(String),
-    /// Extension of a plot that names no format.
-    #[error("{}: the extension must be .png or .svg", .0.display())]
+    /// Extension of a plot that is not .svg.
+    #[error("{}: the extension must be .svg; browsers show and print SVG, and Inkscape makes PNG or PDF \
+        of it", .0.display())]
     PlotExtension(PathBuf),
     /// Standard output that cannot be written.
     ///

@@ -114,9 +114,9 @@ pub fn fresh(name: &str) -> PathBuf {
     // Cargo does not rebuild a program if its own packages did not change. So only the sources of
     // these packages count.
     let packages: &[&str] = match name {
-        "bake" => &["meshes", "tables", "bake"],
+        "bake" => &["meshes", "tables", "tables/charts", "bake"],
         READER => &["tables", "reader"],
-        _ => &["tables", "fit"],
+        _ => &["tables", "tables/charts", "fit"],
     };
     let newest = packages
         .iter()

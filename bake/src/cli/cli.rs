@@ -26,7 +26,7 @@ use tables::cli::{Completions, Manual, version};
 Example, from nothing to a picture:
   bake design triangular-pair -o pair.obj
   bake trace pair.obj -o pair.h5 --refractive-index 1.49
-  bake inspect pair.h5 --plot pair.png")]
+  bake inspect pair.h5 --plot pair.svg")]
 struct Cli {
     #[command(subcommand)]
     verb: Verb,

@@ -16,13 +16,13 @@ use tables::{Exact, Outputs, Provenance, Symmetry, Table};
 pub(crate) struct InspectArgs {
     /// Table to read
     table: PathBuf,
-    /// Plot of the shifts, .png or .svg
+    /// Plot of the shifts, .svg
     ///
     /// Exact tables show their polygons, tables of rays their bins. All panels have one scale. At
     /// most 24 directions are drawn, evenly spread; the plot says which part of all they are.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Plot of the exit directions of light, .png or .svg
+    /// Plot of the exit directions of light, .svg
     ///
     /// For cells that are not ideal, so that light leaves off the way back.
     #[arg(long, value_name = "FILE")]
@@ -38,11 +38,19 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Error> {
     let moved = reserve_plot(args.plot.as_deref(), &mut outputs)?;
     let spots = reserve_plot(args.plot_deviations.as_deref(), &mut outputs)?;
     let table = tables::read(&args.table)?;
-    if let Some((file, output)) = moved {
-        output.commit(&shifts(&table, file)?)?;
+    if let Some(output) = moved {
+        output.commit(shifts(&table).as_bytes())?;
     }
-    if let Some((file, output)) = spots {
-        output.commit(&exits(&table, file)?)?;
+    if let Some(output) = spots {
+        let picture = exits(&table).ok_or_else(|| {
+            Error::Failed(
+                "--plot-deviations: nothing to plot, because the table records no light that \
+                leaves in another direction than straight back; either its cells are ideal, or it \
+                was baked with --deviations off"
+                    .into(),
+            )
+        })?;
+        output.commit(picture.as_bytes())?;
     }
     Ok(print(&if args.json {
         json(&table)

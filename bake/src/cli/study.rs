@@ -173,8 +173,8 @@ pub(crate) fn run(args: &StudyArgs) -> Result<(), Error> {
     if let Some(csv) = csv {
         csv.commit(report::csv(&study).as_bytes())?;
     }
-    if let Some((file, output)) = picture {
-        output.commit(&picture::draw(&study, file)?)?;
+    if let Some(output) = picture {
+        output.commit(picture::draw(&study).as_bytes())?;
     }
     Ok(print(&if args.json {
         report::json(&study)

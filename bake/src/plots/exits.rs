@@ -1,11 +1,8 @@
 //! Pictures of the directions in which light leaves cells that are not ideal.
 
-use crate::error::Error;
 use crate::plots::choice::Choice;
-use crate::plots::content::{Bins, Content};
-use crate::plots::figure::{Figure, Panel, draw};
+use crate::plots::heat::{Cells, Content, Panel, Picture};
 use glam::DVec2;
-use std::path::Path;
 use tables::Table;
 
 /// Number of cells of a panel along each axis.
@@ -13,15 +10,13 @@ use tables::Table;
 /// It is odd, so that straight back is the middle of a cell.
 const CELLS: usize = 41;
 
-/// Returns a picture of the exit directions of `table` as the bytes of a PNG or SVG file.
+/// Returns a picture of the exit directions of `table` as SVG; `None` if all light of the table
+/// goes straight back.
 ///
 /// The picture has one panel per direction. The panel shows the deviation from straight back, mrad:
 /// in the plane of incidence to the right, and along v upward. The colour is the probability per
 /// launched ray.
-///
-/// # Errors
-/// Returns an [`Error`] if all light of the table goes straight back, and the errors of [`draw`].
-pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, Error> {
+pub(crate) fn exits(table: &Table) -> Option<String> {
     let (_, azimuths) = table.axes.shape();
     let count = table.retroreflected.len();
     let spots: Vec<Vec<Spot>> = (0..count).map(|k| spots(table, k)).collect();
@@ -31,12 +26,7 @@ pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, Error> {
         .map(f64::abs)
         .fold(0.0, f64::max);
     if furthest == 0.0 {
-        return Err(Error::Failed(
-            "--plot-deviations: nothing to plot, because the table records no light that leaves in \
-            another direction than straight back; either its cells are ideal, or it was baked with \
-            --deviations off"
-                .into(),
-        ));
+        return None;
     }
     let half = 1.1e3 * furthest;
     let cell = |tangent: f64| {
@@ -48,15 +38,15 @@ pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, Error> {
         for ([across, along], power) in &spots[i * azimuths + a] {
             density[cell(*along)][cell(*across)] += power;
         }
-        let bins = Bins {
+        let bins = Cells {
             density,
             corner: DVec2::splat(-half),
-            width: 2.0 * half / CELLS as f64,
+            size: DVec2::splat(2.0 * half / CELLS as f64),
         };
-        Panel::new(table, (i, a), Content::Bins(bins), None)
+        Panel::new(table, (i, a), Content::Bins(bins), "")
     };
     let choice = Choice::of(table);
-    let figure = Figure {
+    let picture = Picture {
         title: format!("{}: deviation from straight back", table.provenance.design),
         axes: [
             "across, in the plane of incidence, mrad",
@@ -65,9 +55,9 @@ pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, Error> {
         bar: "share of launched light per cell",
         panels: choice.directions.iter().map(panel).collect(),
         columns: choice.columns,
-        note: choice.note,
+        note: choice.note.unwrap_or_default(),
     };
-    draw(&figure, file)
+    Some(picture.svg())
 }
 
 /// Deviation (across, along v) as tangents, and the probability per launched ray.

@@ -2,7 +2,10 @@
 
 use crate::plan::Request;
 use crate::rays::Tracer;
-use crate::study::{Reached, Reference, Study, StudyPlan, StudyRequest, expected_exponent, report};
+use crate::study::{
+    Point, Reached, Reference, Series, Study, StudyPlan, StudyRequest, expected_exponent, picture,
+    report,
+};
 use crate::tests::bakes::asked;
 use crate::tests::cells::designed;
 use meshes::design::{Design, Shape};
@@ -165,4 +168,56 @@ fn without_an_exact_table() {
     );
     assert!(text.contains("not reached; give more --rays"), "{text}");
     assert!(!report::csv(&found).contains("exact"));
+}
+
+/// Texts of pictures are whole, whatever was measured: nothing, one point, errors of 0, and values
+/// over twenty decades.
+#[test]
+fn no_text_of_a_picture_is_cut_or_covered() {
+    let measured = [
+        vec![],
+        vec![[1024, 1]],
+        vec![[1024, 0], [4096, 0]],
+        vec![[1024, 1], [4096, 1_000], [1 << 40, 1_000_000_000]],
+    ];
+    let mut cases = 0;
+    for points in &measured {
+        for seconds in [1e-7, 2.0, 1e6] {
+            let point = |&[rays, time]: &[u64; 2]| Point {
+                rays,
+                seconds: seconds * time as f64,
+                l1: time as f64 / rays as f64,
+                worst_l1: if time == 1 {
+                    f64::NAN
+                } else {
+                    1e-9 * time as f64
+                },
+                estimated_l1: 0.0,
+                worst_estimated_l1: 0.0,
+                rays_per_bin: 1.0,
+            };
+            let series = [Tracer::Fastest, Tracer::OneByOne].map(|tracer| Series {
+                tracer,
+                sampler: Sampler::Sobol,
+                points: points.iter().map(point).collect(),
+                slope: None,
+                reached: Reached::Never,
+            });
+            let study = Study {
+                design: "a-mesh-with_a_name_of/many_letters".repeat(5),
+                directions: 1,
+                programs: 1,
+                azimuth_mean: false,
+                bins: 8,
+                threads: None,
+                repeats: 1,
+                target: 1e-12,
+                reference: Reference::Exact { seconds },
+                series: series.to_vec(),
+            };
+            assert_eq!(charts::check::faults(&picture::draw(&study)), [""; 0]);
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 12);
 }

@@ -145,7 +145,7 @@ pub(crate) struct Arguments {
     /// It is the truth.json that `fit simulate` writes.
     #[arg(long, value_name = "TRUTH.json", help_heading = "Output and threads")]
     pub truth: Option<PathBuf>,
-    /// File that receives the MTF curves as a picture, .svg or .png.
+    /// File that receives the MTF curves as a picture, .svg.
     ///
     /// The picture shows the measured and the modelled curves.
     #[cfg(feature = "report")]
@@ -282,8 +282,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     warn(&result, "");
     let json = output::json(&result);
     #[cfg(feature = "report")]
-    if let Some((path, output)) = picture {
-        output.commit(&plot::fitted(&result, path)?)?;
+    if let Some(output) = picture {
+        output.commit(plot::fitted(&result).as_bytes())?;
     }
     #[cfg(feature = "report")]
     if let Some(page) = page {

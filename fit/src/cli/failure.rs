@@ -12,8 +12,6 @@ use crate::names::Family;
 use crate::photographs::photo::plane::as_shown;
 use crate::photographs::{captures, edge, photo};
 use crate::predict::error as predict;
-#[cfg(feature = "report")]
-use crate::report::plot;
 use crate::simulate::error as simulate;
 
 /// Error that ends a verb.
@@ -79,10 +77,6 @@ pub(crate) enum Failure {
         key: String,
         option: String,
     },
-    /// Plot that cannot be drawn.
-    #[cfg(feature = "report")]
-    #[error(transparent)]
-    Plot(#[from] plot::Error),
     /// Photograph without a usable edge.
     #[error("{}: {fault}", image.display())]
     Edge {
@@ -171,8 +165,6 @@ impl Failure {
     /// Returns the exit code: 2 for wrong usage that clap cannot see, 1 for work that failed.
     pub(crate) fn code(&self) -> u8 {
         match self {
-            #[cfg(feature = "report")]
-            Failure::Plot(plot::Error::Format(_)) => 2,
             Failure::Table(tables::Error::PlotExtension(_)) => 2,
             Failure::Frequency { .. } | Failure::Usage(_) => 2,
             #[cfg(feature = "images")]

@@ -22,7 +22,7 @@ use crate::photographs::photo::channel::{Channel, Decode};
 use crate::photographs::photo::held::Held;
 use crate::photographs::photo::transfer::Transfer;
 #[cfg(feature = "report")]
-use crate::report::{curves, plot};
+use crate::report::plot;
 
 /// Measures the MTF of photographs of a slanted edge, as CSV or JSON.
 ///
@@ -96,7 +96,7 @@ pub(crate) struct Arguments {
     /// Writes one JSON object in place of CSV.
     #[arg(long)]
     pub json: bool,
-    /// File that receives the curves as a picture, .svg or .png.
+    /// File that receives the curves as a picture, .svg.
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
@@ -184,8 +184,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     {
         let report = measured(image, &request)?;
         #[cfg(feature = "report")]
-        if let Some((path, output)) = picture {
-            output.commit(&drawn(&[&report], &request, path)?)?;
+        if let Some(output) = picture {
+            output.commit(drawn(&[&report], &request).as_bytes())?;
         }
         let text = if arguments.json {
             output::json(&report)
@@ -198,10 +198,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let entries = all(&images, &request);
     #[cfg(feature = "report")]
-    if let Some((path, output)) = picture {
+    if let Some(output) = picture {
         let reports: Vec<&Report> = entries.iter().filter_map(Entry::report).collect();
         if !reports.is_empty() {
-            output.commit(&drawn(&reports, &request, path)?)?;
+            output.commit(drawn(&reports, &request).as_bytes())?;
         }
     }
     let text = if arguments.json {
@@ -257,14 +257,10 @@ fn warn(report: &Report) {
 
 /// Draws the curves of photographs.
 #[cfg(feature = "report")]
-fn drawn(
-    reports: &[&Report],
-    request: &Request,
-    path: &std::path::Path,
-) -> Result<Vec<u8>, plot::Error> {
-    let shown: Vec<curves::Shown> = reports
+fn drawn(reports: &[&Report], request: &Request) -> String {
+    let shown: Vec<plot::Shown> = reports
         .iter()
-        .map(|report| curves::Shown {
+        .map(|report| plot::Shown {
             name: std::path::Path::new(&report.image)
                 .file_name()
                 .map_or(report.image.clone(), |name| {
@@ -276,5 +272,5 @@ fn drawn(
             half: report.mtf50,
         })
         .collect();
-    curves::measured(&shown, request.unit(), path)
+    plot::measured(&shown, request.unit())
 }

@@ -19,7 +19,7 @@ use crate::predict::{Axis, Fitted, Places, Prediction, Viewpoint, between, predi
 #[cfg(feature = "report")]
 use crate::report::Variable;
 #[cfg(feature = "report")]
-use crate::report::plot::{self};
+use crate::report::plot;
 use crate::result::ResultFile;
 
 /// Predicts MTF and luminance of a fitted sheet at other distances and angles.
@@ -112,7 +112,7 @@ pub(crate) struct Arguments {
     #[cfg(feature = "report")]
     #[arg(long, value_enum, requires = "plot", help_heading = "Output")]
     pub against: Option<Variable>,
-    /// File that receives the MTF curves as a picture, .svg or .png.
+    /// File that receives the MTF curves as a picture, .svg.
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub plot: Option<PathBuf>,
@@ -203,13 +203,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let found = predicted(arguments, &result, &table)?;
     terminal::warn(&found.warnings);
     #[cfg(feature = "report")]
-    if let Some((path, output)) = picture {
+    if let Some(output) = picture {
         let frequencies = &found.frequency_per_mm;
-        output.commit(&match arguments.against {
-            Some(Variable::Direction) => plot::around(&found.around, frequencies, path)?,
-            Some(variable) => plot::against(&found.predictions, frequencies, variable, path)?,
-            None => plot::predicted(&found.predictions, frequencies, path)?,
-        })?;
+        let svg = match arguments.against {
+            Some(Variable::Direction) => plot::around(&found.around, frequencies),
+            Some(variable) => plot::against(&found.predictions, frequencies, variable),
+            None => plot::predicted(&found.predictions, frequencies),
+        };
+        output.commit(svg.as_bytes())?;
     }
     let text = if arguments.json {
         found.json(&result)

@@ -27,7 +27,7 @@ use crate::estimate::Scene;
 use crate::estimate::Watch;
 use crate::estimate::select::select;
 #[cfg(feature = "report")]
-use crate::report::{picture, speed as speed_picture};
+use crate::report::picture;
 use crate::study::Ranges;
 use crate::study::Summary;
 use crate::study::refused;
@@ -149,7 +149,7 @@ pub(crate) struct Arguments {
         help_heading = "Drawn campaigns"
     )]
     pub csv: Option<PathBuf>,
-    /// File that receives the study as a picture, .svg or .png.
+    /// File that receives the study as a picture, .svg.
     ///
     /// For drawn campaigns it shows errors and coverage. For given photographs and renders it
     /// shows seconds against error.
@@ -206,8 +206,8 @@ pub(super) fn text(arguments: &Arguments, host: Host<'_>) -> Result<String, Fail
             let (open, _) = open.possible(&scene, &table, captures)?;
             let study = pool.install(|| photographs(&scene, seconds, &open))?;
             #[cfg(feature = "report")]
-            if let Some((path, output)) = picture {
-                output.commit(&picture::photographs(&study, path)?)?;
+            if let Some(output) = picture {
+                output.commit(picture::photographs(&study).as_bytes())?;
             }
             if arguments.json {
                 output::json(&study)
@@ -243,8 +243,8 @@ fn rendered(
         Ok(speed(&scene, &table, choice, &samplings, randomisations)?)
     })?;
     #[cfg(feature = "report")]
-    if let Some((path, output)) = picture {
-        output.commit(&speed_picture::drawn(&speed, path)?)?;
+    if let Some(output) = picture {
+        output.commit(picture::speed(&speed).as_bytes())?;
     }
     Ok(if arguments.json {
         output::json(&speed)
@@ -351,8 +351,8 @@ fn drawn(
     }
     let summary = Summary::new(&trials, refused);
     #[cfg(feature = "report")]
-    if let Some((path, output)) = picture {
-        output.commit(&picture::drawn(&summary, path)?)?;
+    if let Some(output) = picture {
+        output.commit(picture::drawn(&summary).as_bytes())?;
     }
     Ok(if arguments.json {
         output::json(&summary)

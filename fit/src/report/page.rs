@@ -8,7 +8,6 @@
 
 #[cfg(feature = "images")]
 mod aerial;
-mod chart;
 mod crop;
 mod curves;
 mod estimates;
@@ -26,11 +25,12 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
-use crate::report::page::markup::{count, escape, significant};
+use crate::report::page::markup::{count, significant};
 use crate::report::page::shown::Page;
 use crate::result::FitResult;
+use charts::escape;
 
-/// Style sheet of the page.
+/// Style sheet of the page, but for that of its charts.
 const STYLE: &str = include_str!("page/style.css");
 
 /// One section of the page: its anchor, its heading, its markup.
@@ -72,18 +72,19 @@ impl Page<'_> {
                 id=\"{anchor}\">\n{markup}</div></details></section>\n"
             ));
         }
+        let style = format!("\n{}{STYLE}", charts::STYLE);
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
              style-src 'sha256-{}'; img-src data:; base-uri 'none'; form-action 'none'\"/>\n\
              <meta name=\"generator\" content=\"fit {}\"/>\n\
-             <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+             <title>{title}</title>\n<style>{style}</style>\n</head>\n<body>\n\
              <header>\n<p class=\"kicker\">Retroreflective sheet</p>\n<h1>{}</h1>\n<p \
              class=\"from\">{title}</p>\n{}</header>\n\
              <nav aria-label=\"Contents\">\n{contents}</nav>\n<main>\n{body}</main>\n</body>\n\
              </html>\n",
-            STANDARD.encode(Sha256::digest(format!("\n{STYLE}"))),
+            STANDARD.encode(Sha256::digest(&style)),
             env!("CARGO_PKG_VERSION"),
             escape(&self.result.table.design),
             first::screen(self),
@@ -179,6 +180,14 @@ mod tests {
             }
         };
         0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
+    }
+
+    #[test]
+    fn charts_have_the_colours_of_plots_in_the_light_scheme() {
+        let (light, _) = STYLE.split_once('}').expect("a block ends");
+        for (name, colour) in charts::PALETTE {
+            assert!(light.contains(&format!("--{name}: {colour};")), "{name}");
+        }
     }
 
     /// Checks the contrast of all text in the light scheme, in the dark one, and on paper: at least

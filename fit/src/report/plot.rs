@@ -1,45 +1,16 @@
 //! Pictures of MTF curves, measured, modelled and predicted.
 
-use std::path::{Path, PathBuf};
+use charts::{Axis, Curve, Dash, Facet, Figure, Ground, HUES, Key, Marks, Stroke, ramp};
 
-use kuva::prelude::*;
-use tables::cli::PlotFormat;
-
-use crate::predict::{Around, Axis, Prediction};
-use crate::report::labels::{End, Labels};
-use crate::result::ResultFile;
-
-/// Reason why a picture cannot be drawn.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub(crate) enum Error {
-    /// Ending of a file that is no format of plots.
-    #[error(transparent)]
-    Format(#[from] tables::Error),
-    /// Picture that the drawing library cannot draw.
-    #[error("{}: the plot could not be drawn ({message}); try the other of .svg and .png",
-        path.display())]
-    Drawing { path: PathBuf, message: String },
-}
-
-/// Colours of the curves of one panel, by photograph.
-pub(crate) const COLOURS: [&str; 6] = [
-    "#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf",
-];
+use crate::predict::{Around, Axis as Contrast, Prediction};
+use crate::result::{CaptureResult, ResultFile};
 
 /// MTF below which the rest of a curve is not shown.
 const LOW: f64 = 0.02;
 
-/// Largest number of curves whose legend stands in the panel.
-pub(crate) const INSIDE: usize = 4;
-
-/// Returns the place of the legend of a panel: beside it if it would cover curves.
-pub(crate) fn legend_of(curves: usize) -> LegendPosition {
-    match curves > INSIDE {
-        true => LegendPosition::OutsideRightTop,
-        false => LegendPosition::InsideTopRight,
-    }
-}
+/// The same for a measured curve, and how much farther its axis reaches.
+const MEASURED_LOW: f64 = 0.05;
+const ROOM: f64 = 1.3;
 
 /// Returns the highest frequency at which a curve of an MTF is above [`LOW`].
 fn farthest<'a>(curves: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> Option<f64> {
@@ -67,155 +38,212 @@ fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
     values
 }
 
-/// Draws the measured MTF (dots, with one standard error) and the model (line).
+/// Returns the line of curve number `index` of curves without an order.
+fn unordered(index: usize) -> Stroke {
+    Stroke {
+        colour: HUES[index % HUES.len()].into(),
+        dash: Dash::ALL[index % Dash::ALL.len()],
+    }
+}
+
+/// Makes a panel of MTF curves over the frequency.
+fn panel(head: String, end: f64, unit: &str, curves: Vec<Curve>) -> Facet {
+    let axes = [Axis::linear(0.0, end), Axis::linear(0.0, 1.0)];
+    Facet::new(head, axes, [&format!("frequency ({unit})"), "MTF"], curves)
+}
+
+/// Returns how many panels stand beside each other, in rows as even as can be.
+fn beside(panels: usize) -> usize {
+    match panels {
+        0..=4 => 2,
+        many => many.div_ceil(many.div_ceil(5)),
+    }
+}
+
+/// Measured MTF of one photograph.
+pub(crate) struct Shown<'a> {
+    /// Name in the legend.
+    pub name: String,
+    /// Frequencies, in the unit of the axis.
+    pub frequency: &'a [f64],
+    /// MTF at these frequencies.
+    pub mtf: &'a [f64],
+    /// Standard errors of the MTF.
+    pub standard_error: &'a [f64],
+    /// MTF50, in the unit of the axis.
+    pub half: Option<f64>,
+}
+
+impl Shown<'_> {
+    /// Returns the frequency up to which the curve is worth showing.
+    fn reach(&self) -> f64 {
+        let last = self.frequency.last().copied().unwrap_or(1.0);
+        let low = self.mtf.iter().position(|&mtf| mtf < MEASURED_LOW);
+        low.map_or(last, |low| (ROOM * self.frequency[low]).min(last))
+    }
+}
+
+/// Draws measured curves as SVG, with a band of one standard error and a dot at each MTF50.
+pub(crate) fn measured(all: &[Shown], unit: &str) -> String {
+    let end = all.iter().map(Shown::reach).fold(0.0, f64::max);
+    let curves = all.iter().enumerate().flat_map(|(i, shown)| {
+        let points = shown.frequency.iter().zip(shown.mtf).map(|(&f, &m)| [f, m]);
+        let points = points.take_while(|point| point[0] <= end);
+        let errors = shown.mtf.iter().zip(shown.standard_error);
+        let errors = errors.map(|(m, e)| [m - e, m + e]);
+        let name = match shown.half {
+            Some(half) => format!("{}: {half:.4}", shown.name),
+            None => shown.name.clone(),
+        };
+        let half = shown.half.map(|half| [half, 0.5]);
+        [
+            Curve::new(name, unordered(i), Marks::Line, points).within(errors),
+            Curve::new("", unordered(i), Marks::Dots, half),
+        ]
+    });
+    let mut panel = panel(String::new(), end, unit, curves.collect());
+    let highest = all.iter().flat_map(|shown| shown.mtf).copied();
+    if highest.fold(0.0, f64::max) > 1.02 {
+        panel.axes[1] = Axis::linear(0.0, 1.2);
+    }
+    Figure::new(
+        "MTF and its standard error; dots mark MTF50",
+        vec![panel],
+        1,
+    )
+    .svg()
+}
+
+/// Draws the measured MTF (dots, with one standard error) and the model (line) as SVG.
 ///
-/// There is one panel per incidence angle. The curves of every second distance are thin and dashed,
-/// and the others wide, so that curves that coincide are both seen.
-///
-/// # Errors
-/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
-/// ending of the file is no format of plots.
-pub(crate) fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error> {
-    let incidences = distinct(result.captures.iter().map(|c| c.incidence_deg));
-    let distances = distinct(result.captures.iter().map(|c| c.floating_distance_mm));
-    let curves = result.captures.iter().map(|c| &c.curves);
+/// There is one panel per incidence. Colour and style tell the distances apart; where photographs
+/// share both, also upright edges from level ones.
+pub(crate) fn fitted(result: &ResultFile) -> String {
+    let all = &result.captures;
+    let incidences = distinct(all.iter().map(|c| c.incidence_deg));
+    let curves = all.iter().map(|c| &c.curves);
     let farthest = farthest(curves.map(|c| (&*c.frequency_per_mm, &*c.modelled)));
     let farthest = farthest.unwrap_or(0.5).max(0.5);
-    let mut panels = Vec::new();
-    let mut layouts = Vec::new();
-    for &incidence in &incidences {
-        let mut plots = Vec::new();
-        let shots = result
-            .captures
-            .iter()
-            .filter(|c| c.incidence_deg == incidence);
-        for (i, shot) in shots.enumerate() {
-            let colour = COLOURS[i % COLOURS.len()];
-            let curves = &shot.curves;
-            let shown = curves
-                .frequency_per_mm
-                .iter()
-                .take_while(|&&f| f <= farthest)
-                .count();
-            let points = |y: &[f64]| -> Vec<(f64, f64)> {
-                curves.frequency_per_mm[..shown]
-                    .iter()
-                    .copied()
-                    .zip(y.iter().copied())
-                    .collect()
-            };
-            let name = format!(
-                "{} mm, edge {:.0}°",
-                shot.floating_distance_mm, shot.edge_angle_deg
-            );
-            let place = distances.partition_point(|&mm| mm < shot.floating_distance_mm);
-            let below = place % 2 == 0;
-            plots.push(Plot::Scatter(
-                ScatterPlot::new()
-                    .with_data(points(&curves.measured))
-                    .with_y_err(curves.standard_error[..shown].iter().copied())
-                    .with_color(colour)
-                    .with_size(if below { 4.0 } else { 2.0 }),
-            ));
-            let line = LinePlot::new()
-                .with_data(points(&curves.modelled))
-                .with_color(colour)
-                .with_stroke_width(if below { 4.0 } else { 1.5 })
-                .with_legend(name);
-            plots.push(Plot::Line(match below {
-                true => line,
-                false => line.with_dashed(),
-            }));
-        }
-        let layout = Layout::auto_from_plots(&plots)
-            .with_title(format!("incidence {incidence}°"))
-            .with_x_label("frequency (1/mm)")
-            .with_y_label("MTF")
-            .with_x_axis_min(0.0)
-            .with_x_axis_max(farthest)
-            .with_y_axis_min(0.0)
-            .with_y_axis_max(1.0)
-            .with_legend_position(legend_of(plots.len() / 2));
-        panels.push(plots);
-        layouts.push(layout);
-    }
+    let place = |c: &CaptureResult| (c.incidence_deg, c.floating_distance_mm);
+    let is_alone = |c: &CaptureResult| all.iter().filter(|&o| place(o) == place(c)).count() == 1;
+    let by_edge = !all.iter().all(is_alone);
+    let kind = |c: &CaptureResult| {
+        let normal = c.edge_angle_deg.to_radians();
+        let is_level = by_edge && normal.sin().abs() > normal.cos().abs();
+        (c.floating_distance_mm, is_level)
+    };
+    let mut kinds: Vec<(f64, bool)> = all.iter().map(kind).collect();
+    kinds.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+    kinds.dedup();
+    let curves = |capture: &CaptureResult| {
+        let (distance, is_level) = kind(capture);
+        let own = kinds.iter().position(|&k| k == (distance, is_level));
+        let stroke = unordered(own.unwrap_or(0));
+        let edge = match (by_edge, is_level) {
+            (false, _) => "",
+            (true, true) => ", level edge",
+            (true, false) => ", upright edge",
+        };
+        let curves = &capture.curves;
+        let points = |y: &[f64]| -> Vec<[f64; 2]> {
+            let points = curves.frequency_per_mm.iter().zip(y);
+            let points = points.map(|(&f, &m)| [f, m]);
+            points.take_while(|point| point[0] <= farthest).collect()
+        };
+        let errors = curves.measured.iter().zip(&curves.standard_error);
+        let errors = errors.map(|(m, e)| [m - e, m + e]);
+        let name = format!("{distance} mm{edge}");
+        let measured = points(&curves.measured);
+        [
+            Curve::new("", stroke.clone(), Marks::Dots, measured).within(errors),
+            Curve::new(name, stroke, Marks::Line, points(&curves.modelled)),
+        ]
+    };
+    let panels = incidences.iter().map(|&incidence| {
+        let own = all.iter().filter(|c| c.incidence_deg == incidence);
+        let head = format!("incidence {incidence}\u{b0}");
+        panel(head, farthest, "1/mm", own.flat_map(curves).collect())
+    });
     let title = format!(
         "MTF measured (dots) and modelled (lines), kernel {}",
         result.kernel.name()
     );
-    draw(panels, layouts, &title, path)
+    let panels: Vec<Facet> = panels.collect();
+    let columns = beside(panels.len());
+    Figure::new(title, panels, columns).svg()
 }
 
-/// Draws the predicted MTF: one panel per distance and axis, one curve per incidence.
+/// Draws the predicted MTF as SVG: one panel per distance and axis, one curve per incidence.
 ///
-/// The frequencies end where the last curve does.
-///
-/// # Errors
-/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
-/// ending of the file is no format of plots.
-pub(crate) fn predicted(
-    predictions: &[Prediction],
-    frequency_per_mm: &[f64],
-    path: &Path,
-) -> Result<Vec<u8>, Error> {
+/// The frequencies end where the last curve does. Curves outside of the photographs are dashed.
+pub(crate) fn predicted(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
     let distances = distinct(predictions.iter().map(|p| p.floating_distance_mm));
+    let incidences = distinct(predictions.iter().map(|p| p.incidence_deg));
     let end = end_of(frequency_per_mm, predictions.iter().map(|p| &*p.mtf));
-    let mut panels = Vec::new();
-    let mut layouts = Vec::new();
-    for axis in [Axis::Tangential, Axis::Sagittal] {
-        for &distance in &distances {
-            let chosen: Vec<&Prediction> = predictions
-                .iter()
-                .filter(|p| {
-                    p.axis == axis && p.floating_distance_mm == distance && !p.mtf.is_empty()
-                })
-                .collect();
-            let last = chosen.len().max(2) - 1;
-            let lines: Vec<Line> = chosen
-                .iter()
-                .enumerate()
-                .map(|(i, p)| {
-                    let points = frequency_per_mm.iter().copied().zip(p.mtf.iter().copied());
-                    let within = |f: f64| f <= end;
-                    let ends = frequency_per_mm.iter().zip(&p.mtf_interval);
-                    Line {
-                        name: format!("{}°", p.incidence_deg),
-                        colour: ramp(i as f64 / last as f64),
-                        points: points.filter(|point| within(point.0)).collect(),
-                        intervals: ends.filter(|(f, _)| within(**f)).map(|(_, e)| *e).collect(),
-                        outside: !p.outside.is_empty(),
-                    }
-                })
-                .collect();
-            let legend = legend_of(lines.len());
-            let (plots, labels) = named(lines);
-            let all_outside = chosen.iter().all(|p| !p.outside.is_empty());
-            let shaded = all_outside.then_some([0.0, end]);
-            let name = if axis == Axis::Tangential {
-                "tangential"
+    let is_outside = |p: &Prediction| !p.outside.is_empty();
+    let colour = |incidence_deg: f64| {
+        let index = incidences.iter().position(|&own| own == incidence_deg);
+        ramp(index.unwrap_or(0), incidences.len())
+    };
+    let curve = |p: &Prediction| {
+        let points = frequency_per_mm.iter().zip(&p.mtf).map(|(&f, &m)| [f, m]);
+        let suffix = if is_outside(p) { ", outside" } else { "" };
+        let stroke = Stroke {
+            colour: colour(p.incidence_deg),
+            dash: if is_outside(p) {
+                Dash::Dashed
             } else {
-                "sagittal"
-            };
-            let layout = Layout::auto_from_plots(&plots)
-                .with_title(format!("{distance} mm, {name}"))
-                .with_x_label("frequency (1/mm)")
-                .with_y_label("MTF")
-                .with_x_axis_min(0.0)
-                .with_x_axis_max(end)
-                .with_y_axis_min(0.0)
-                .with_y_axis_max(1.0)
-                .with_legend_position(legend);
-            panels.push(plots);
-            layouts.push(with_shades(with_labels(layout, labels), shaded));
+                Dash::Solid
+            },
+        };
+        let points = points.take_while(|point| point[0] <= end);
+        Curve::new(
+            format!("{}\u{b0}{suffix}", p.incidence_deg),
+            stroke,
+            Marks::Line,
+            points,
+        )
+        .within(p.mtf_interval.iter().copied())
+    };
+    let mut panels = Vec::new();
+    for (axis, name) in AXES {
+        for &distance in &distances {
+            let own = |p: &&Prediction| p.axis == axis && p.floating_distance_mm == distance;
+            let own: Vec<&Prediction> = predictions.iter().filter(own).collect();
+            let seen = own.iter().filter(|p| !p.mtf.is_empty());
+            let curves: Vec<Curve> = seen.map(|p| curve(p)).collect();
+            let all_outside = own.iter().all(|p| is_outside(p));
+            let mut panel = panel(format!("{distance} mm, {name}"), end, "1/mm", curves);
+            panel.shades = all_outside.then_some([0.0, end]).into_iter().collect();
+            panel.remark = panel.curves.is_empty().then_some("nothing returns");
+            panels.push(panel);
         }
     }
-    draw(
-        panels,
-        layouts,
-        "MTF of the mid-air image by incidence",
-        path,
-    )
+    let columns = if distances.len() == 1 {
+        2
+    } else {
+        distances.len().min(5)
+    };
+    let mut figure = Figure::new("MTF of the mid-air image by incidence", panels, columns);
+    let key = |&incidence: &f64| Key {
+        name: format!("{incidence}\u{b0}"),
+        stroke: Stroke::solid(colour(incidence)),
+    };
+    figure.keys = incidences.iter().map(key).collect();
+    if predictions.iter().any(is_outside) {
+        figure.keys.push(Key {
+            name: "outside of the photographs".into(),
+            stroke: Stroke::grey(Dash::Dashed),
+        });
+    }
+    figure.svg()
 }
+
+/// Axes of contrast, with their names.
+const AXES: [(Contrast, &str); 2] = [
+    (Contrast::Tangential, "tangential"),
+    (Contrast::Sagittal, "sagittal"),
+];
 
 /// Variable on the horizontal axis of a plot of the MTF at single frequencies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -241,6 +269,16 @@ impl Variable {
         }
     }
 
+    /// Returns the name of an axis with the variable.
+    const fn label(self) -> &'static str {
+        match self {
+            Variable::Incidence => "incidence (\u{b0})",
+            Variable::Azimuth => "azimuth (\u{b0})",
+            Variable::Distance => "floating distance (mm)",
+            Variable::Direction => "direction (\u{b0})",
+        }
+    }
+
     /// Describes the value of the variable at a place, for example "incidence 20°".
     fn words(self, p: &Prediction) -> Option<String> {
         let value = self.of(p)?;
@@ -253,30 +291,24 @@ impl Variable {
     }
 }
 
-/// Draws the predicted MTF at each frequency against one variable.
+/// Draws the predicted MTF at each frequency against one variable as SVG.
 ///
 /// The plot follows Kakinuma et al. 2021 (OSA Continuum 4, 865): one panel per axis, one curve per
 /// frequency and per combination of the other variables. If nothing returns at a place, it has no
-/// point.
-///
-/// # Errors
-/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
-/// ending of the file is no format of plots.
+/// point. Colours tell combinations apart and styles frequencies, if there are few of these.
 pub(crate) fn against(
     predictions: &[Prediction],
     frequency_per_mm: &[f64],
     variable: Variable,
-    path: &Path,
-) -> Result<Vec<u8>, Error> {
+) -> String {
     let varies = |v: &Variable| predictions.windows(2).any(|p| v.of(&p[0]) != v.of(&p[1]));
     let others: Vec<Variable> = [Variable::Distance, Variable::Incidence, Variable::Azimuth]
         .into_iter()
         .filter(|v| *v != variable && varies(v))
         .collect();
-    // The name of a curve holds its frequency and this text.
     let place = |p: &Prediction| -> String {
         let words = others.iter().filter_map(|v| v.words(p));
-        words.map(|words| format!(", {words}")).collect()
+        words.collect::<Vec<String>>().join(", ")
     };
     let mut places: Vec<String> = Vec::new();
     for name in predictions.iter().map(place) {
@@ -284,125 +316,71 @@ pub(crate) fn against(
             places.push(name);
         }
     }
-    let mut panels = Vec::new();
-    let mut layouts = Vec::new();
-    for (axis, name) in [
-        (Axis::Tangential, "tangential"),
-        (Axis::Sagittal, "sagittal"),
-    ] {
-        let curves = places
-            .iter()
-            .flat_map(|name| (0..frequency_per_mm.len()).map(move |k| (name, k)));
-        let last = (places.len() * frequency_per_mm.len()).max(2) - 1;
-        let lines: Vec<Line> = curves
-            .enumerate()
-            .map(|(i, (name, k))| {
-                let chosen = predictions
-                    .iter()
-                    .filter(|p| p.axis == axis && place(p) == *name);
-                let mut chosen: Vec<(f64, &Prediction)> = chosen
-                    .filter_map(|p| Some((variable.of(p)?, p)))
-                    .filter(|(_, p)| k < p.mtf.len())
-                    .collect();
-                chosen.sort_by(|a, b| a.0.total_cmp(&b.0));
-                Line {
-                    name: format!("{} /mm{name}", frequency_per_mm[k]),
-                    colour: ramp(i as f64 / last as f64),
-                    points: chosen.iter().map(|(x, p)| (*x, p.mtf[k])).collect(),
-                    intervals: (chosen.iter())
-                        .filter_map(|(_, p)| p.mtf_interval.get(k).copied())
-                        .collect(),
-                    outside: chosen.iter().all(|(_, p)| !p.outside.is_empty()),
-                }
-            })
-            .collect();
-        let (plots, labels) = named(lines);
-        let label = match variable {
-            Variable::Incidence => "incidence (°)",
-            Variable::Azimuth => "azimuth (°)",
-            Variable::Distance => "floating distance (mm)",
-            Variable::Direction => "direction (°)",
-        };
-        let layout = Layout::auto_from_plots(&plots)
-            .with_title(name)
-            .with_x_label(label)
-            .with_y_label("MTF")
-            .with_y_axis_min(0.0)
-            .with_y_axis_max(1.0)
-            .with_legend_position(LegendPosition::OutsideRightTop);
-        panels.push(plots);
-        let layout = with_labels(layout, labels);
-        layouts.push(with_shades(layout, outside(predictions, variable)));
-    }
-    draw(panels, layouts, "MTF of the mid-air image", path)
-}
-
-/// Line of predictions.
-struct Line {
-    name: String,
-    colour: String,
-    points: Vec<(f64, f64)>,
-    /// Ends of the interval of each point; fewer than points without covariance.
-    intervals: Vec<[f64; 2]>,
-    /// True if all points lie outside of the photographs.
-    outside: bool,
-}
-
-impl Line {
-    /// Returns the name that the reader sees.
-    fn shown_name(&self) -> String {
-        match self.outside {
-            true => format!("{}, outside", self.name),
-            false => self.name.clone(),
-        }
-    }
-
-    /// Draws the line with the band of its intervals, dashed if it lies outside of the photographs.
-    fn drawn(self, in_legend: bool) -> Plot {
-        let has_band = self.intervals.len() == self.points.len();
-        let name = self.shown_name();
-        let mut line = LinePlot::new()
-            .with_data(self.points)
-            .with_color(self.colour)
-            .with_stroke_width(1.5);
-        if has_band {
-            let end = |k: usize| self.intervals.iter().map(move |ends| ends[k]);
-            line = line.with_band(end(0), end(1));
-        }
-        if self.outside {
-            line = line.with_dashed();
-        }
-        Plot::Line(if in_legend {
-            line.with_legend(name)
-        } else {
-            line
-        })
-    }
-}
-
-/// Draws lines with their names at their ends, or in a legend where these would collide.
-fn named(lines: Vec<Line>) -> (Vec<Plot>, Option<Labels>) {
-    let first = lines.iter().filter_map(|line| line.points.first());
-    let first = first.map(|point| point.0).fold(f64::INFINITY, f64::min);
-    let end = |line: &Line| {
-        Some(End {
-            name: line.shown_name(),
-            point: *line.points.last()?,
-        })
+    let frequencies = frequency_per_mm.len();
+    let has_styles = places.len() > 1 && frequencies <= Dash::ALL.len();
+    let stroke = |i: usize, k: usize| match has_styles {
+        true => Stroke {
+            colour: ramp(i, places.len()),
+            dash: Dash::ALL[k],
+        },
+        false => Stroke::solid(ramp(i * frequencies + k, places.len() * frequencies)),
     };
-    let ends: Vec<End> = lines.iter().filter_map(end).collect();
-    let labels = Labels::of(&ends, first);
-    let in_legend = labels.is_none();
-    let plots = lines.into_iter().map(|line| line.drawn(in_legend));
-    (plots.collect(), labels)
-}
-
-/// Adds the names of curves to a panel.
-fn with_labels(layout: Layout, labels: Option<Labels>) -> Layout {
-    match labels {
-        Some(labels) => labels.on(layout),
-        None => layout,
+    let with_word = |name: &str, of: &[&Prediction]| match of.iter().all(|p| !p.outside.is_empty())
+    {
+        true => format!("{name}, outside"),
+        false => name.to_owned(),
+    };
+    let at = |name: &str| -> Vec<&Prediction> {
+        predictions.iter().filter(|p| place(p) == name).collect()
+    };
+    let values = predictions.iter().filter_map(|p| variable.of(p));
+    let x = match distinct(values)[..] {
+        [first, .., last] => Axis::linear(first, last),
+        ref few => Axis::around(few.iter().copied()),
+    };
+    let panels = AXES.map(|(axis, head)| {
+        let mut curves = Vec::new();
+        for (i, name) in places.iter().enumerate() {
+            let value = |p: &Prediction| variable.of(p).unwrap_or(f64::NAN);
+            let mut chosen = at(name);
+            chosen.retain(|p| p.axis == axis && p.mtf.len() == frequencies);
+            chosen.sort_by(|a, b| value(a).total_cmp(&value(b)));
+            for (k, frequency) in frequency_per_mm.iter().enumerate() {
+                let own = [format!("{frequency} /mm"), with_word(name, &chosen)];
+                let points = chosen
+                    .iter()
+                    .filter_map(|p| Some([variable.of(p)?, p.mtf[k]]));
+                let intervals = chosen.iter().filter_map(|p| p.mtf_interval.get(k).copied());
+                let name = own[..if name.is_empty() { 1 } else { 2 }].join(", ");
+                curves.push(Curve::new(name, stroke(i, k), Marks::Line, points).within(intervals));
+            }
+        }
+        Facet {
+            shades: outside(predictions, variable),
+            ..Facet::new(
+                head,
+                [x, Axis::linear(0.0, 1.0)],
+                [variable.label(), "MTF"],
+                curves,
+            )
+        }
+    });
+    let mut figure = Figure::new("MTF of the mid-air image", panels.into(), 2);
+    if has_styles {
+        let colours = places.iter().enumerate().map(|(i, name)| Key {
+            name: with_word(name, &at(name)),
+            stroke: Stroke::solid(ramp(i, places.len())),
+        });
+        let styles = frequency_per_mm
+            .iter()
+            .zip(Dash::ALL)
+            .map(|(frequency, dash)| Key {
+                name: format!("{frequency} /mm"),
+                stroke: Stroke::grey(dash),
+            });
+        figure.keys = colours.chain(styles).collect();
     }
+    figure.svg()
 }
 
 /// Returns the ranges of a variable in which all predictions lie outside of the photographs. A
@@ -419,126 +397,40 @@ fn outside(predictions: &[Prediction], variable: Variable) -> Vec<[f64; 2]> {
     pairs.map(|pair| [pair[0].0, pair[1].0]).collect()
 }
 
-/// Shades ranges of the horizontal axis.
-fn with_shades(layout: Layout, ranges: impl IntoIterator<Item = [f64; 2]>) -> Layout {
-    ranges.into_iter().fold(layout, |layout, [from, to]| {
-        let region = ShadedRegion::vertical(from, to).with_color("#888888");
-        layout.with_shaded_region(region)
-    })
-}
-
-/// Draws the predicted MTF at each frequency over the direction of contrast.
+/// Draws the predicted MTF at each frequency over the direction of contrast as SVG.
 ///
 /// There is one polar panel per place, with 0° (tangential) to the right and 90° (sagittal)
 /// upwards. A circle means that the blur is equal in all directions.
-///
-/// # Errors
-/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
-/// ending of the file is no format of plots.
-pub(crate) fn around(
-    all: &[Around],
-    frequency_per_mm: &[f64],
-    path: &Path,
-) -> Result<Vec<u8>, Error> {
-    let last = frequency_per_mm.len().max(2) - 1;
+pub(crate) fn around(all: &[Around], frequency_per_mm: &[f64]) -> String {
     let panel = |place: &Around| {
-        let polar = PolarPlot::new()
-            .with_theta_start(90.0)
-            .with_clockwise(false)
-            .with_r_max(1.0)
-            .with_r_grid_lines(2)
-            .with_legend(true);
         let curves = place.mtf.iter().zip(frequency_per_mm).enumerate();
-        let polar = curves.fold(polar, |polar, (k, (mtf, frequency))| {
-            let name = format!("{frequency} /mm");
-            let (r, theta) = (mtf.iter().copied(), place.direction_deg.iter().copied());
-            polar
-                .with_series_labeled(r, theta, name, PolarMode::Line)
-                .with_color(ramp(k as f64 / last as f64))
+        let curves = curves.map(|(k, (mtf, frequency))| {
+            let points = mtf.iter().zip(&place.direction_deg).map(|(m, direction)| {
+                let (sin, cos) = direction.to_radians().sin_cos();
+                [m * cos, m * sin]
+            });
+            let stroke = Stroke::solid(ramp(k, frequency_per_mm.len()));
+            Curve::new(format!("{frequency} /mm"), stroke, Marks::Line, points)
         });
-        vec![Plot::Polar(polar)]
-    };
-    let panels: Vec<Vec<Plot>> = all.iter().map(panel).collect();
-    let layout = |(plots, place): (&Vec<Plot>, &Around)| {
+        let (distance, incidence) = (place.floating_distance_mm, place.incidence_deg);
         let azimuth = place
             .azimuth_deg
-            .map_or(String::new(), |a| format!(", azimuth {a}°"));
-        let (distance, incidence) = (place.floating_distance_mm, place.incidence_deg);
-        let returns = if place.mtf.is_empty() {
-            ": nothing returns"
-        } else {
-            ""
-        };
-        let title = format!("{distance} mm, incidence {incidence}°{azimuth}{returns}");
-        Layout::auto_from_plots(plots).with_title(title)
-    };
-    let layouts = panels.iter().zip(all).map(layout).collect();
-    let title = "MTF by direction of contrast: 0° tangential, 90° sagittal";
-    draw(panels, layouts, title, path)
-}
-
-/// Colours of an ordered scale, from dark to light: matplotlib's viridis (CC0) in steps of an
-/// eighth, up to 0.625, so that the lightest line is still seen on white.
-///
-/// Its lightness grows evenly, so people who do not see all colours can still tell the order.
-const SCALE: [[f64; 3]; 6] = [
-    [68.0, 1.0, 84.0],
-    [71.0, 45.0, 123.0],
-    [59.0, 82.0, 139.0],
-    [44.0, 114.0, 142.0],
-    [33.0, 145.0, 140.0],
-    [40.0, 174.0, 128.0],
-];
-
-/// Returns a colour of the ordered scale, from dark (0) to light (1).
-fn ramp(x: f64) -> String {
-    let place = x.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
-    let left = (place as usize).min(SCALE.len() - 2);
-    let share = place - left as f64;
-    let [r, g, b] =
-        [0, 1, 2].map(|k| (SCALE[left][k] * (1.0 - share) + SCALE[left + 1][k] * share).round());
-    format!("#{:02x}{:02x}{:02x}", r as u8, g as u8, b as u8)
-}
-
-/// Draws panels under one title.
-///
-/// # Errors
-/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
-/// ending of the file is no format of plots.
-pub(crate) fn draw(
-    panels: Vec<Vec<Plot>>,
-    layouts: Vec<Layout>,
-    title: &str,
-    path: &Path,
-) -> Result<Vec<u8>, Error> {
-    let columns = panels.len().clamp(1, if panels.len() > 4 { 5 } else { 2 });
-    let rows = panels.len().div_ceil(columns);
-    let figure = Figure::new(rows, columns)
-        .with_title(title)
-        .with_plots(panels)
-        .with_layouts(layouts)
-        .with_cell_size(380.0, 320.0);
-    encoded(figure, path)
-}
-
-/// Draws a figure in the format that the ending of the file names.
-///
-/// # Errors
-/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
-/// ending of the file is no format of plots.
-pub(crate) fn encoded(figure: Figure, path: &Path) -> Result<Vec<u8>, Error> {
-    let scene = figure.render();
-    match PlotFormat::of(path)? {
-        PlotFormat::Svg => Ok(SvgBackend.render_scene(&scene).into_bytes()),
-        PlotFormat::Png => {
-            PngBackend::new()
-                .render_scene(&scene)
-                .map_err(|message| Error::Drawing {
-                    path: path.to_owned(),
-                    message: message.to_string(),
-                })
+            .map_or(String::new(), |a| format!(", azimuth {a}\u{b0}"));
+        let head = format!("{distance} mm\nincidence {incidence}\u{b0}{azimuth}");
+        let axes = [Axis::linear(-1.25, 1.25); 2];
+        Facet {
+            ground: Ground::Circles,
+            remark: place.mtf.is_empty().then_some("nothing returns"),
+            ..Facet::new(head, axes, ["", ""], curves.collect())
         }
+    };
+    let columns = beside(all.len());
+    let title = "MTF by direction of contrast: 0\u{b0} tangential, 90\u{b0} sagittal";
+    Figure {
+        frame: [220.0; 2],
+        ..Figure::new(title, all.iter().map(panel).collect(), columns)
     }
+    .svg()
 }
 
 #[cfg(test)]
@@ -558,28 +450,5 @@ mod tests {
         assert_eq!(end(&[&[1.0; 5]]), 2.0);
         assert_eq!(end(&[&[0.0; 5]]), 2.0);
         assert_eq!(end(&[]), 2.0);
-    }
-
-    /// Checks at 101 places that the scale grows lighter, and that its lightest colour has a
-    /// contrast of 2.8 with white (relative luminance of WCAG 2).
-    #[test]
-    fn the_scale_of_colours_is_ordered_by_lightness() {
-        let luminance = |colour: &str| -> f64 {
-            let channel = |k: usize| {
-                let value = u8::from_str_radix(&colour[k..k + 2], 16).expect("two digits") as f64;
-                let value = value / 255.0;
-                match value <= 0.03928 {
-                    true => value / 12.92,
-                    false => ((value + 0.055) / 1.055).powf(2.4),
-                }
-            };
-            0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
-        };
-        let all: Vec<f64> = (0..=100)
-            .map(|k| luminance(&ramp(k as f64 / 100.0)))
-            .collect();
-        assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
-        let contrast = 1.05 / (all[100] + 0.05);
-        assert!(contrast > 2.8, "{contrast}");
     }
 }

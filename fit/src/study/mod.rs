@@ -8,7 +8,7 @@
 
 pub(crate) mod choice;
 pub(crate) mod forward;
-mod given;
+pub(crate) mod given;
 pub(crate) mod mistakes;
 mod ranges;
 pub(crate) mod refused;

@@ -22,6 +22,8 @@ mod exif;
 mod explore;
 mod exponent;
 mod export;
+#[cfg(feature = "report")]
+mod figures;
 mod forward;
 mod jpeg;
 mod known;

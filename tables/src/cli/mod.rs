@@ -1,6 +1,6 @@
 //! Parts that the command lines of `bake` and `fit` share (feature `cli`).
 //!
-//! They are lists of numbers, formats of plots, outputs that are reserved before the work, threads,
+//! They are lists of numbers, outputs that are reserved before the work, threads,
 //! printing, completions and manual pages.
 //!
 //! Text that a user typed enters. Numbers, reserved outputs or one [`crate::Error`] leave. This room
@@ -8,14 +8,12 @@
 
 mod list;
 mod manual;
-mod plot_format;
 mod terminal;
 mod threads;
 mod usage;
 
 pub use crate::cli::list::{LONGEST_LIST, list, number, whole};
 pub use crate::cli::manual::{Completions, Manual, version};
-pub use crate::cli::plot_format::PlotFormat;
 pub use crate::cli::terminal::{
     deliver, fail, in_a_line, note, print, reserve, reserve_plot, warn,
 };

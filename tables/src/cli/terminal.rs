@@ -5,7 +5,6 @@ use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 
-use crate::cli::plot_format::PlotFormat;
 use crate::error::Error;
 use crate::file::output::{Output, Outputs};
 
@@ -114,15 +113,17 @@ pub fn reserve(file: Option<&Path>, outputs: &mut Outputs) -> Result<Option<Outp
 /// Reserves the file of the plot that was asked for, if any.
 ///
 /// # Errors
-/// Returns [`Error::PlotExtension`] if the extension is neither .png nor .svg, which is checked
-/// first, and the errors of [`reserve`].
-pub fn reserve_plot<'a>(
-    file: Option<&'a Path>,
-    outputs: &mut Outputs,
-) -> Result<Option<(&'a Path, Output)>, Error> {
-    let Some(file) = file else { return Ok(None) };
-    PlotFormat::of(file)?;
-    Ok(Some((file, outputs.reserve(file)?)))
+/// Returns [`Error::PlotExtension`] if the extension is not .svg, which is checked first, and
+/// the errors of [`reserve`].
+pub fn reserve_plot(file: Option<&Path>, outputs: &mut Outputs) -> Result<Option<Output>, Error> {
+    let is_svg = |file: &Path| {
+        file.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+    };
+    match file.filter(|file| !is_svg(file)) {
+        Some(other) => Err(Error::PlotExtension(other.to_owned())),
+        None => reserve(file, outputs),
+    }
 }
 
 #[cfg(test)]

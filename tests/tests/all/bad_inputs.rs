@@ -420,7 +420,7 @@ fn options() {
             "bake",
             vec!["inspect", &table, "--plot", "OUT"],
             2,
-            ".png or .svg",
+            "must be .svg",
         ),
         estimate("--kernel", "eq2", "--kernel"),
         estimate("--lobe", "round", "--lobe"),

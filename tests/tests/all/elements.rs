@@ -78,7 +78,7 @@ fn the_manual_runs_as_printed() {
         ran += 1;
     }
     assert_eq!(ran, 6);
-    for picture in ["plate.png", "bead.png"] {
+    for picture in ["plate.svg", "bead.svg"] {
         assert!(here.join(picture).is_file(), "{picture}");
     }
     let table = tables::read(&here.join("bead.h5")).unwrap();

@@ -111,8 +111,8 @@ pub(crate) fn cases(here: &Path) -> Vec<Case> {
         ),
         (
             "inspect",
-            "bake inspect ../pair.h5 --plot s.png".into(),
-            &["s.png"],
+            "bake inspect ../pair.h5 --plot s.svg".into(),
+            &["s.svg"],
             never,
         ),
         (

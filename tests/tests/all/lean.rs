@@ -12,7 +12,7 @@ use tests::files::{argument, bake_table, project};
 
 /// Crates that only the default features need: for plots, FLIP in C++, pictures as text, and
 /// progress bars.
-const FEATURES_BRING: [&str; 3] = ["kuva", "base64", "indicatif"];
+const FEATURES_BRING: [&str; 3] = ["charts", "base64", "indicatif"];
 
 fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO"));

@@ -125,11 +125,7 @@ fn what_cannot_be_measured_leaves_files_alone() {
         ),
         (&["a.exr", "--plot", "curve.bmp"], 2, "curve.bmp"),
         (&["a.exr", "--plot", "a.exr"], 2, "a.exr"),
-        (
-            &["a.exr", "none.exr", "--plot", "z.png", "z.png"],
-            1,
-            "z.png",
-        ),
+        (&["a.exr", "--plot", "z.png"], 2, "must be .svg"),
         (&[], 2, "<IMAGE>"),
     ] {
         let run = fit(here, &[&["mtf", "-o", "kept.csv"][..], arguments].concat());
@@ -158,11 +154,4 @@ fn a_plot_shows_each_photograph() {
         "{drawn}"
     );
     assert!(drawn.contains("cycles/pixel"));
-    fit(
-        here,
-        &["mtf", "a.exr", "--plot", "curve.png", "-o", "curve.csv"],
-    )
-    .done();
-    let picture = image::open(here.join("curve.png")).unwrap();
-    assert!(picture.width() > 400 && picture.height() > 300);
 }

@@ -125,6 +125,7 @@ fn the_page_is_whole_and_escaped() {
     let (page, result) = report(folder.path(), &[]);
     let tree = parse(&page);
     asks_for_nothing(&page, &tree);
+    assert_eq!(charts::check::faults(&page), [""; 0]);
 
     // Every photograph has a figure of its curves with its own name.
     let named: Vec<String> = all(&tree, "figure")

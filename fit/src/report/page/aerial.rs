@@ -10,8 +10,9 @@ use crate::images::{Scale, UNWATCHED, Viewpoint, automatic};
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
 use crate::predict::Fitted;
-use crate::report::page::markup::{escape, significant};
+use crate::report::page::markup::significant;
 use crate::report::page::shown::Page;
+use charts::escape;
 
 /// Sign, 8 bits in sRGB.
 const SIGN: &[u8] = include_bytes!("sign.png");

@@ -11,7 +11,7 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::measure;
 use crate::photographs::photo::plane::Photo;
 
-use crate::report::page::markup::escape;
+use charts::escape;
 
 /// Longer side of a crop, pixels: sharp on a phone, and 30 kB.
 const LONGEST: usize = 240;

@@ -3,9 +3,9 @@
 
 use crate::result::CaptureResult;
 
-use crate::report::page::chart::{Axis, Panel, svg};
-use crate::report::page::markup::{escape, significant};
+use crate::report::page::markup::significant;
 use crate::report::page::shown::Page;
+use charts::{Axis, Panel, escape, svg};
 
 /// MTF below which frequencies are not drawn.
 const VISIBLE: f64 = 0.02;

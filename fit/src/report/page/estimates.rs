@@ -4,9 +4,9 @@ use crate::estimate::Bound;
 use crate::names::{ParameterId, ParameterKind};
 use crate::result::{AtAngle, Number, Parameter};
 
-use crate::report::page::chart::{Axis, Panel, svg};
-use crate::report::page::markup::{Row, minus, rounded, significant, table};
+use crate::report::page::markup::{Row, rounded, significant, table};
 use crate::report::page::shown::Page;
+use charts::{Axis, Panel, minus, svg};
 
 /// Half width of a 95 % interval of a normal distribution, standard errors.
 pub(crate) const INTERVAL: f64 = 1.959_964;

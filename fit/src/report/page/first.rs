@@ -1,13 +1,13 @@
 //! First screen of the page: the verdict, three numbers, a mid-air image, and all curves.
 
 use crate::estimate::Verdict;
-use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::curves::farthest;
 use crate::report::page::estimates;
-use crate::report::page::markup::{count, escape, significant};
+use crate::report::page::markup::{count, significant};
 use crate::report::page::photographs;
 use crate::report::page::shown::Page;
 use crate::result::{CaptureResult, FitResult};
+use charts::{Axis, Panel, escape, svg};
 
 /// Writes the first screen.
 pub(crate) fn screen(page: &Page) -> String {

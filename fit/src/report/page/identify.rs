@@ -6,10 +6,10 @@ use std::fmt::Write;
 use crate::names::{ParameterId, ParameterKind};
 use crate::result::Parameter;
 
-use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::estimates::{INTERVAL, symbol};
 use crate::report::page::evidence::LikelihoodProfile;
-use crate::report::page::markup::minus;
+use charts::{Axis, Panel, minus, svg};
+
 use crate::report::page::markup::{significant, table};
 use crate::report::page::shown::Page;
 

@@ -1,24 +1,6 @@
-//! Text and numbers of the page; all text from a file or a command line goes through [`escape`].
+//! Text and numbers of the page; all text from a file or a command line goes through [`charts::escape`].
 
-/// Escapes text for any place of the page, attributes too.
-///
-/// Characters that no XML may hold become the replacement character.
-pub(crate) fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            '\t' | '\n' | '\r' => out.push(character),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
-}
+use charts::{escape, minus};
 
 /// Writes a number with as many decimals as show two significant digits of its error.
 pub(crate) fn rounded(value: f64, error: f64) -> String {
@@ -59,11 +41,6 @@ pub(crate) fn grouped(value: f64) -> String {
         out.push(digit);
     }
     out
-}
-
-/// Replaces the hyphen of a number by the typographic minus.
-pub(crate) fn minus(number: String) -> String {
-    number.replace('-', "\u{2212}")
 }
 
 /// Writes a number and the noun that it counts.
@@ -122,14 +99,6 @@ impl From<Vec<String>> for Row {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn nothing_of_a_name_reaches_the_page_as_markup() {
-        assert_eq!(
-            escape("<script>'\"&\u{1}\u{ffff}é</script>"),
-            "&lt;script&gt;&#39;&quot;&amp;\u{fffd}\u{fffd}é&lt;/script&gt;"
-        );
-    }
 
     #[test]
     fn numbers_show_what_is_known() {

@@ -6,8 +6,9 @@ use crate::photographs::Shot;
 use crate::result::ResultFile;
 
 use crate::report::page::crop::crop;
-use crate::report::page::markup::{count, escape};
+use crate::report::page::markup::count;
 use crate::report::page::shown::{Page, name};
+use charts::escape;
 
 /// Greatest number of photographs that are shown.
 ///

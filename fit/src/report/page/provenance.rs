@@ -1,9 +1,10 @@
 //! Section of the page on the origin of the numbers: all that is needed to compute them again.
 
-use crate::report::page::markup::{count, escape, significant};
+use crate::report::page::markup::{count, significant};
 use crate::report::page::shown::Page;
 use crate::report::page::trust;
 use crate::result::ResultFile;
+use charts::escape;
 
 /// Entry of the list: its name, and its value as markup.
 type Entry = (&'static str, String);

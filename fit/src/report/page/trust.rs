@@ -1,8 +1,9 @@
 //! Part of the page on the inputs that no photograph can check.
 
 use crate::estimate::{Effect, Given, Trusted};
-use crate::report::page::markup::{Row, escape, minus, significant, table};
+use crate::report::page::markup::{Row, significant, table};
 use crate::result::ResultFile;
+use charts::{escape, minus};
 
 /// Columns of the table: the heading, and the effect that it shows.
 type Column = (&'static str, fn(&Effect) -> Option<f64>);
