@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use tests::files::{argument, bake_table, project};
-use tests::program::run;
+use tests::program::{fit, run};
 
 /// Content of the file that exists at the place of the output before a run.
 const KEPT: &[u8] = b"an older result that nobody wants to lose";
@@ -35,30 +35,17 @@ impl Bench {
     /// Runs a command line that must be refused, and records what is wrong with the refusal.
     ///
     /// The run must end with the exit code `code` and with one sentence that holds all of `parts`.
-    /// It runs in the folder `from`. The word `OUT` in `arguments` stands for a file that exists
-    /// already.
-    fn refuses(
-        &mut self,
-        from: &Path,
-        program: &str,
-        arguments: &[&str],
-        code: i32,
-        parts: &[&str],
-    ) {
+    /// It runs in the folder `from`. The word OUT stands for a file that exists already.
+    fn refuses(&mut self, from: &Path, line: &str, code: i32, parts: &[&str]) {
         let outputs = tempfile::tempdir_in(self.path()).unwrap();
         let kept = outputs.path().join("kept");
         std::fs::write(&kept, KEPT).unwrap();
-        let arguments: Vec<String> = arguments
-            .iter()
-            .map(|word| {
-                if *word == "OUT" {
-                    kept.display().to_string()
-                } else {
-                    (*word).to_owned()
-                }
-            })
-            .collect();
-        let run = run(program, from, &arguments);
+        let (program, words) = line.split_once(' ').unwrap();
+        let run = run(
+            program,
+            from,
+            &words.replace("OUT", &kept.display().to_string()),
+        );
         let told: Vec<&str> = run
             .err
             .lines()
@@ -122,18 +109,14 @@ fn meshes() {
     let folder = project().join("meshes/tests/bad");
     let cases = expected("meshes/tests/bad/expected.toml");
     for (file, parts) in &cases {
-        let parts: Vec<&str> = parts
-            .as_array()
-            .unwrap()
-            .iter()
-            .filter_map(toml::Value::as_str)
-            .collect();
+        let parts = parts.as_array().unwrap().iter();
+        let mut parts: Vec<&str> = parts.filter_map(toml::Value::as_str).collect();
+        parts.push(file);
         bench.refuses(
             &folder,
-            "bake",
-            &["trace", file, "-o", "OUT", "--rays", "1000"],
+            &format!("bake trace {file} -o OUT --rays 1000"),
             1,
-            &[&parts[..], &[file]].concat(),
+            &parts,
         );
     }
     assert!(cases.len() > 60);
@@ -151,13 +134,13 @@ fn photographs_manifests_and_parameters() {
     for (group, files) in &groups {
         for (file, part) in files.as_table().unwrap() {
             let file = format!("bad/{file}");
-            let arguments = match group.as_str() {
-                "manifests" => vec!["estimate", &file, "--table", &table, "-o", "OUT"],
-                "images" => vec!["mtf", &file, "-o", "OUT"],
-                "simulate" => vec!["simulate", &file, "-o", "OUT"],
+            let line = match group.as_str() {
+                "manifests" => format!("fit estimate {file} --table {table} -o OUT"),
+                "images" => format!("fit mtf {file} -o OUT"),
+                "simulate" => format!("fit simulate {file} -o OUT"),
                 other => panic!("no verb for the group {other}"),
             };
-            bench.refuses(&folder, "fit", &arguments, 1, &[part.as_str().unwrap()]);
+            bench.refuses(&folder, &line, 1, &[part.as_str().unwrap()]);
             cases += 1;
         }
     }
@@ -198,35 +181,26 @@ fn tables() {
         ("one_bit.h5", flipped(good.len() / 2), "one_bit.h5"),
     ];
     let manifest = argument("tests/captures/public_shared/captures.toml");
+    let estimate = |table: &str| format!("fit estimate {manifest} --table {table} -o OUT");
     for (file, bytes, part) in &damaged {
         std::fs::write(here.join(file), bytes).unwrap();
-        bench.refuses(&here, "bake", &["inspect", file], 1, &[part, file]);
-        bench.refuses(&here, "bake", &["verify", file], 1, &[part, file]);
-        bench.refuses(
-            &here,
-            "fit",
-            &["estimate", &manifest, "--table", file, "-o", "OUT"],
-            1,
-            &[part, file],
-        );
+        for line in [
+            format!("bake inspect {file}"),
+            format!("bake verify {file}"),
+            estimate(file),
+        ] {
+            bench.refuses(&here, &line, 1, &[part, file]);
+        }
     }
-    bench.refuses(&here, "bake", &["inspect", "none.h5"], 1, &["none.h5"]);
-    bench.refuses(
-        &here,
-        "fit",
-        &["estimate", &manifest, "--table", "none.h5", "-o", "OUT"],
-        1,
-        &["none.h5"],
-    );
+    bench.refuses(&here, "bake inspect none.h5", 1, &["none.h5"]);
+    bench.refuses(&here, &estimate("none.h5"), 1, &["none.h5"]);
     // A good table, but of other directions and another cell.
     let other = bake_table(&here, "triangular", "0:20:10", "5");
-    let nearest = ["does not cover incidence", "nearest"];
     bench.refuses(
         &here,
-        "fit",
-        &["estimate", &manifest, "--table", &other, "-o", "OUT"],
+        &estimate(&other),
         1,
-        &nearest,
+        &["does not cover incidence", "nearest"],
     );
     bench.all_refused(3 * 7 + 3);
 }
@@ -239,316 +213,167 @@ fn options() {
     let manifest = argument("tests/captures/public_axes/captures.toml");
     let edge = argument("tests/edges/camera_5deg.exr");
     let edge_of_campaign = argument("tests/captures/public_axes/source.exr");
-    let trace = |option: &'static str, value: &'static str, part: &'static str| {
+    let estimate = format!("fit estimate {manifest} --table {table}");
+    let to_out = format!("{estimate} -o OUT");
+    let trace = "bake trace triangular.obj -o OUT";
+    let mtf = format!("fit mtf {edge} -o OUT");
+    let predict = format!("fit predict r.json --table {table} -o OUT");
+    let predict_of = |result: &str| {
+        format!("fit predict {result} --table {table} --distance 9 --incidence 10 -o OUT")
+    };
+    // A command, what is added to it, the exit code, and a part of the sentence.
+    let cases: [(&str, &str, i32, &str); 71] = [
+        (trace, "--incidence 90", 2, "--incidence 90"),
+        (trace, "--incidence -1", 2, "--incidence -1"),
+        (trace, "--incidence 0:45", 2, "--incidence 0:45"),
+        (trace, "--incidence 0:45:0", 2, "--incidence 0:45:0"),
+        (trace, "--incidence ten", 2, "--incidence ten"),
+        (trace, "--azimuth nan", 2, "--azimuth nan"),
+        (trace, "--azimuth=", 2, "--azimuth"),
+        (trace, "--azimuth -361", 2, "from -360 to 360"),
+        (trace, "--azimuth full:x", 2, "\"x\" is not an angle"),
+        (trace, "--refractive-index 0.5", 2, "--refractive-index 0.5"),
         (
-            "bake",
-            vec!["trace", "triangular.obj", "-o", "OUT", option, value],
+            trace,
+            "--refractive-index wood",
             2,
-            part,
-        )
-    };
-    let design = |name: &'static str, [option, value]: [&'static str; 2], part: &'static str| {
+            "pmma, polycarbonate, bk7",
+        ),
         (
-            "bake",
-            vec!["design", name, option, value, "-o", "x.obj"],
+            trace,
+            "--refractive-index bk7",
             2,
-            part,
-        )
-    };
-    let estimate = |option: &'static str, value: &'static str, part: &'static str| {
+            "depends on the wavelength",
+        ),
+        (trace, "--rays 0", 2, "--rays"),
+        (trace, "--rays many", 2, "--rays"),
+        (trace, "--bins 0", 2, "--bins"),
+        (trace, "--bins many", 2, "whole number from 1 to 4096"),
+        (trace, "--range 0", 2, "--range"),
+        (trace, "--range 1e6", 2, "--range 1000000"),
+        (trace, "--tolerance 0", 2, "--tolerance"),
+        (trace, "--angular-tolerance -3", 2, "--angular-tolerance"),
+        (trace, "--angular-tolerance 20", 2, "at most 10 degrees"),
+        (trace, "--lattice 1,0,0", 2, "--lattice"),
+        (trace, "--azimuth-zero 1,0", 2, "--azimuth-zero"),
+        (trace, "--edge-length -2", 2, "--edge-length"),
+        (trace, "--edge-length 1e20", 2, "does not fit a cell 3 wide"),
+        (trace, "--metal tin", 2, "--metal tin"),
+        (trace, "--reflectance 0.9", 2, "needs --losses fresnel"),
         (
-            "fit",
-            vec![
-                "estimate", &manifest, "--table", &table, "-o", "OUT", option, value,
-            ],
+            trace,
+            "--deviations wide",
             2,
-            part,
-        )
-    };
-    let mtf = |option: &'static str, value: &'static str, code: i32, part: &'static str| {
+            "auto, off, or a range in mrad",
+        ),
+        (trace, "--wavelength-nm 0", 2, "--wavelength-nm 0"),
+        (trace, "--wavelength-nm 450,650", 2, "write {nm}"),
+        (trace, "--roughness ggx:2", 2, "ALPHA above 0 and at most 1"),
+        (trace, "--glass-index 0.9", 2, "--glass-index 0.9"),
         (
-            "fit",
-            vec!["mtf", &edge, "-o", "OUT", option, value],
-            code,
-            part,
-        )
-    };
-    let cases = [
-        trace("--incidence", "90", "--incidence 90"),
-        trace("--incidence", "-1", "--incidence -1"),
-        trace("--incidence", "0:45", "--incidence 0:45"),
-        trace("--incidence", "0:45:0", "--incidence 0:45:0"),
-        trace("--incidence", "ten", "--incidence ten"),
-        trace("--azimuth", "nan", "--azimuth nan"),
-        trace("--azimuth", "", "--azimuth"),
-        trace("--refractive-index", "0.5", "--refractive-index 0.5"),
-        trace("--rays", "0", "--rays"),
-        trace("--rays", "many", "--rays"),
-        trace("--bins", "0", "--bins"),
-        trace("--bins", "many", "whole number from 1 to 4096"),
-        trace("--range", "0", "--range"),
-        trace("--tolerance", "0", "--tolerance"),
-        trace("--angular-tolerance", "-3", "--angular-tolerance"),
-        trace("--lattice", "1,0,0", "--lattice"),
-        trace("--azimuth-zero", "1,0", "--azimuth-zero"),
-        trace("--edge-length", "-2", "--edge-length"),
-        trace("--edge-length", "1e20", "does not fit a cell 3 wide"),
-        trace("--azimuth", "-361", "from -360 to 360"),
-        trace("--range", "1e6", "--range 1000000"),
-        trace("--azimuth", "full:x", "\"x\" is not an angle"),
-        trace("--angular-tolerance", "20", "at most 10 degrees"),
-        trace("--refractive-index", "wood", "pmma, polycarbonate, bk7"),
-        trace("--refractive-index", "bk7", "depends on the wavelength"),
-        trace("--metal", "tin", "--metal tin"),
-        trace("--reflectance", "0.9", "needs --losses fresnel"),
-        trace("--deviations", "wide", "auto, off, or a range in mrad"),
-        trace("--wavelength-nm", "0", "--wavelength-nm 0"),
-        trace("--roughness", "ggx:2", "ALPHA above 0 and at most 1"),
-        trace("--glass-index", "0.9", "--glass-index 0.9"),
-        trace("--element", "bead", "retroreflector, plate"),
-        trace("--wavelength-nm", "450,650", "write {nm}"),
-        (
-            "bake",
-            vec![
-                "trace",
-                "triangular.obj",
-                "-o",
-                "OUT",
-                "--glass-index",
-                "1.9",
-            ],
+            trace,
+            "--glass-index 1.9",
             1,
             "no face of the material \"glass\"",
         ),
+        (trace, "--element bead", 2, "retroreflector, plate"),
+        (trace, "--threads 0", 2, "--threads"),
+        (trace, "--method guess", 2, "--method"),
+        (trace, "--back glass", 2, "--back"),
         (
-            "bake",
-            vec!["trace", "triangular.obj", "-o", "./triangular.obj"],
+            "bake trace triangular.obj",
+            "-o ./triangular.obj",
             1,
             "is an input of this command",
         ),
         (
-            "bake",
-            vec!["study", "triangular.obj", "--csv", "triangular.obj"],
+            "bake trace triangular.obj",
+            "-o no/such/folder/t.h5",
+            1,
+            "no/such",
+        ),
+        ("bake trace triangular.obj", "-o .", 1, ""),
+        ("bake trace triangular.obj", "", 2, "--output"),
+        (
+            "bake study triangular.obj",
+            "--csv triangular.obj",
             1,
             "is an input of this command",
         ),
-        design(
-            "canted",
-            ["--cant-deg", "80"],
-            "cant in degrees of 80 is outside -34.5 to 52",
+        (
+            "bake design canted -o x.obj",
+            "--cant-deg 80",
+            2,
+            "80 is outside -34.5 to 52",
         ),
-        design(
-            "plate",
-            ["--depth", "-3"],
-            "depth of -3 is outside 0.001 to 1000",
+        (
+            "bake design plate -o x.obj",
+            "--depth -3",
+            2,
+            "-3 is outside 0.001 to 1000",
         ),
-        design(
-            "triangular",
-            ["--depth", "3"],
+        (
+            "bake design triangular -o x.obj",
+            "--depth 3",
+            2,
             "triangular does not take a depth",
         ),
-        design(
-            "triangular",
-            ["--edge-radius", "1"],
-            "edge radius of 1 is outside 0 to 0.6",
-        ),
         (
-            "bake",
-            vec![
-                "design",
-                "triangular",
-                "--dihedral-error-mrad",
-                "0,900,0",
-                "-o",
-                "x.obj",
-            ],
+            "bake design triangular -o x.obj",
+            "--edge-radius 1",
             2,
-            "dihedral error in mrad of 900 is outside -100 to 100",
+            "of 1 is outside 0 to 0.6",
         ),
         (
-            "fit",
-            vec![
-                "estimate",
-                &manifest,
-                "--table",
-                &table,
-                "-o",
-                "mtf.svg",
-                "--plot",
-                "./mtf.svg",
-            ],
+            "bake design triangular -o x.obj",
+            "--dihedral-error-mrad 0,900,0",
+            2,
+            "of 900 is outside -100 to 100",
+        ),
+        ("bake design pentagon", "-o OUT", 2, "pentagon"),
+        ("bake design triangular", "-o OUT", 2, ".obj or .glb"),
+        (
+            &format!("bake inspect {table}"),
+            "--plot OUT",
+            2,
+            ".png or .svg",
+        ),
+        (&to_out, "--kernel eq2", 2, "--kernel"),
+        (&to_out, "--lobe round", 2, "--lobe"),
+        (&to_out, "--per-angle c", 2, "--per-angle"),
+        (&to_out, "--fit-azimuth", 1, "bake trace --azimuth full"),
+        (&to_out, "--threads 0", 2, "--threads"),
+        (&to_out, "--threads 2.5", 2, "whole number, 1 or larger"),
+        (&to_out, "--plot mtf.bmp", 2, "mtf.bmp"),
+        (
+            &estimate,
+            "-o mtf.svg --plot ./mtf.svg",
             1,
             "is named for two outputs",
         ),
         (
-            "fit",
-            vec![
-                "estimate",
-                &manifest,
-                "--table",
-                &table,
-                "-o",
-                &edge_of_campaign,
-            ],
+            &estimate,
+            &format!("-o {edge_of_campaign}"),
             1,
             "is an input of this command",
         ),
-        trace("--threads", "0", "--threads"),
-        trace("--method", "guess", "--method"),
-        trace("--back", "glass", "--back"),
-        ("bake", vec!["trace", "triangular.obj"], 2, "--output"),
-        (
-            "bake",
-            vec!["trace", "triangular.obj", "-o", "no/such/folder/t.h5"],
-            1,
-            "no/such",
-        ),
-        ("bake", vec!["trace", "triangular.obj", "-o", "."], 1, ""),
-        (
-            "bake",
-            vec!["design", "pentagon", "-o", "OUT"],
-            2,
-            "pentagon",
-        ),
-        (
-            "bake",
-            vec!["design", "triangular", "-o", "OUT"],
-            2,
-            ".obj or .glb",
-        ),
-        (
-            "bake",
-            vec!["inspect", &table, "--plot", "OUT"],
-            2,
-            ".png or .svg",
-        ),
-        estimate("--kernel", "eq2", "--kernel"),
-        estimate("--lobe", "round", "--lobe"),
-        estimate("--per-angle", "c", "--per-angle"),
-        (
-            "fit",
-            vec![
-                "estimate",
-                &manifest,
-                "--table",
-                &table,
-                "--fit-azimuth",
-                "-o",
-                "OUT",
-            ],
-            1,
-            "bake trace --azimuth full",
-        ),
-        estimate("--threads", "0", "--threads"),
-        estimate("--threads", "2.5", "whole number, 1 or larger"),
-        (
-            "fit",
-            vec!["estimate", &manifest, "-o", "OUT"],
-            2,
-            "--table",
-        ),
-        (
-            "fit",
-            vec![
-                "estimate",
-                &manifest,
-                "--table",
-                &table,
-                "-o",
-                "no/such/folder/r.json",
-            ],
-            1,
-            "no/such",
-        ),
-        (
-            "fit",
-            vec![
-                "estimate", &manifest, "--table", &table, "-o", "OUT", "--plot", "mtf.bmp",
-            ],
-            2,
-            "mtf.bmp",
-        ),
-        mtf("--roi", "1,2,3", 2, "--roi"),
-        mtf("--roi", "0,0,9999,9999", 1, "camera_5deg.exr"),
-        mtf("--roi", "0,0,4,4", 1, "camera_5deg.exr"),
-        mtf("--pixel-pitch", "-1", 2, "--pixel-pitch"),
-        mtf("--transfer", "gamma", 2, "--transfer"),
-        mtf("--channel", "infrared", 1, "infrared"),
-        (
-            "fit",
-            vec![
-                "predict",
-                "none.json",
-                "--table",
-                &table,
-                "--distance",
-                "9",
-                "--incidence",
-                "10",
-                "-o",
-                "OUT",
-            ],
-            1,
-            "none.json",
-        ),
-        (
-            "fit",
-            vec![
-                "predict",
-                &manifest,
-                "--table",
-                &table,
-                "--distance",
-                "9",
-                "--incidence",
-                "10",
-                "-o",
-                "OUT",
-            ],
-            1,
-            "captures.toml",
-        ),
-        (
-            "fit",
-            vec![
-                "predict",
-                "r.json",
-                "--table",
-                &table,
-                "--distance",
-                "0",
-                "--incidence",
-                "10",
-                "-o",
-                "OUT",
-            ],
-            2,
-            "--distance",
-        ),
-        (
-            "fit",
-            vec![
-                "predict",
-                "r.json",
-                "--table",
-                &table,
-                "--distance",
-                "9",
-                "--incidence",
-                "90",
-                "-o",
-                "OUT",
-            ],
-            2,
-            "--incidence",
-        ),
+        (&estimate, "-o no/such/folder/r.json", 1, "no/such"),
+        (&format!("fit estimate {manifest}"), "-o OUT", 2, "--table"),
+        (&mtf, "--roi 1,2,3", 2, "--roi"),
+        (&mtf, "--roi 0,0,9999,9999", 1, "camera_5deg.exr"),
+        (&mtf, "--roi 0,0,4,4", 1, "camera_5deg.exr"),
+        (&mtf, "--pixel-pitch -1", 2, "--pixel-pitch"),
+        (&mtf, "--transfer gamma", 2, "--transfer"),
+        (&mtf, "--channel infrared", 1, "infrared"),
+        (&predict_of("none.json"), "", 1, "none.json"),
+        (&predict_of(&manifest), "", 1, "captures.toml"),
+        (&predict, "--distance 0 --incidence 10", 2, "--distance"),
+        (&predict, "--distance 9 --incidence 90", 2, "--incidence"),
     ];
-    let count = cases.len();
-    for (program, arguments, code, part) in cases {
-        bench.refuses(&here, program, &arguments, code, &[part]);
+    for (command, more, code, part) in cases {
+        bench.refuses(&here, &format!("{command} {more}"), code, &[part]);
     }
-    assert_eq!(count, 71);
-    bench.all_refused(count);
+    bench.all_refused(71);
 }
 
 /// Azimuths have one rule at all doors: from -360 to 360 degrees. Those of manifests have it too
@@ -558,34 +383,22 @@ fn azimuths_have_one_rule() {
     let mut bench = Bench::new();
     let here = bench.path().to_owned();
     bake_table(&here, "triangular", "0,20", "-360,0,360");
-    let mesh = ["trace", "triangular.obj", "-o", "OUT", "--incidence", "20"];
-    let sheet = ["--sheet", "hollow-0.2", "--distance", "150"];
-    let place =
-        |verb: &'static str| [&[verb][..], &sheet, &["--incidence", "20", "-o", "OUT"]].concat();
-    let doors: [(&str, Vec<&str>); 4] = [
-        ("bake", mesh.to_vec()),
-        ("fit", place("predict")),
-        (
-            "fit",
-            [&place("render")[..], &["--source", "none.png"]].concat(),
-        ),
-        ("fit", place("explore")),
+    let sheet = "--sheet hollow-0.2 --distance 150 --incidence 20";
+    let doors = [
+        "bake trace triangular.obj -o OUT --incidence 20",
+        &format!("fit predict {sheet} -o OUT"),
+        &format!("fit render {sheet} -o OUT --source none.png"),
+        &format!("fit explore {sheet} -o OUT"),
     ];
-    let mut cases = 0;
-    for (program, door) in &doors {
+    for door in doors {
         for azimuth in ["719", "-360.5", "360.0000001"] {
-            let words = [&door[..], &["--azimuth", azimuth]].concat();
-            bench.refuses(&here, program, &words, 2, &["from -360 to 360"]);
-            cases += 1;
+            let line = format!("{door} --azimuth {azimuth}");
+            bench.refuses(&here, &line, 2, &["from -360 to 360"]);
         }
     }
     for azimuth in ["-360,-30,360", "-360:360:90"] {
-        let words = [&place("predict")[..], &["--azimuth", azimuth]].concat();
-        let words: Vec<&str> = words
-            .iter()
-            .map(|&word| if word == "OUT" { "p.csv" } else { word })
-            .collect();
-        assert_eq!(run("fit", &here, &words).code, Some(0), "{azimuth}");
+        let line = format!("predict {sheet} -o p.csv --azimuth {azimuth}");
+        fit(&here, &line).done();
     }
-    bench.all_refused(cases);
+    bench.all_refused(4 * 3);
 }

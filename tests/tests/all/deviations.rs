@@ -15,20 +15,13 @@ use tests::program::{bake, fit};
 /// Bakes a pair with dihedral errors of 0.5, 0 and -0.3 mrad and the index 1.49; returns the table.
 ///
 /// The directions are incidence 0, 20 and 40 degrees at azimuth 10 degrees.
-fn baked(here: &Path, file: &str, options: &[&str]) -> Table {
-    let design = ["design", "triangular-pair", "-o", "uneven.obj"];
-    let errors = ["--dihedral-error-mrad", "0.5,0,-0.3"];
-    bake(here, &[&design[..], &errors].concat()).done();
-    let common = [
-        "trace",
-        "uneven.obj",
-        "-o",
-        file,
-        "--refractive-index",
-        "1.49",
-    ];
-    let directions = ["--incidence", "0,20,40", "--azimuth", "10"];
-    bake(here, &[&common[..], &directions, options].concat()).done();
+fn baked(here: &Path, file: &str, options: &str) -> Table {
+    let design = "design triangular-pair -o uneven.obj";
+    let errors = "--dihedral-error-mrad 0.5,0,-0.3";
+    bake(here, &format!("{design} {errors}")).done();
+    let common = format!("trace uneven.obj -o {file} --refractive-index 1.49");
+    let directions = "--incidence 0,20,40 --azimuth 10";
+    bake(here, &format!("{common} {directions} {options}")).done();
     tables::read(&here.join(file)).expect("a table")
 }
 
@@ -37,9 +30,9 @@ fn baked(here: &Path, file: &str, options: &[&str]) -> Table {
 #[test]
 fn rays_and_beams_have_one_otf() {
     let folder = tempfile::tempdir().unwrap();
-    let rays = ["--method", "rays", "--rays", "1048576"];
-    let beams = baked(folder.path(), "beams.h5", &[]);
-    let rays = baked(folder.path(), "rays.h5", &rays);
+    let rays = "--method rays --rays 1048576";
+    let beams = baked(folder.path(), "beams.h5", "");
+    let rays = baked(folder.path(), "rays.h5", rays);
     let grid = rays.deviations.as_ref().expect("recorded").grid;
     let width = rays.axes.bin_width();
     let (mut cases, mut worst, mut without) = (0, [0.0_f64; 2], 0.0_f64);
@@ -120,31 +113,14 @@ fn photographed(here: &Path, table: &str) {
         }
     }
     std::fs::write(here.join("params.toml"), params).unwrap();
-    fit(
-        here,
-        &[
-            "simulate",
-            "params.toml",
-            "--table",
-            table,
-            "-o",
-            "campaign",
-        ],
-    )
-    .done();
+    let line = format!("simulate params.toml --table {table} -o campaign");
+    fit(here, &line).done();
 }
 
-fn estimated(here: &Path, table: &str, options: &[&str]) -> Value {
-    let common = [
-        "estimate",
-        "campaign/captures.toml",
-        "--table",
-        table,
-        "-o",
-        "r.json",
-    ];
-    let model = ["--kernel", "eq1", "--lobe", "radial", "--shared", "a,c,mu"];
-    let run = fit(here, &[&common[..], &model, options].concat());
+fn estimated(here: &Path, table: &str, options: &str) -> Value {
+    let common = format!("estimate campaign/captures.toml --table {table} -o r.json");
+    let model = "--kernel eq1 --lobe radial --shared a,c,mu";
+    let run = fit(here, &format!("{common} {model} {options}"));
     // `fit` says on standard error that the cubes are not exact, so only the exit code is checked.
     assert_eq!(run.code, Some(0), "{}", run.err);
     json(&here.join("r.json"))
@@ -153,12 +129,12 @@ fn estimated(here: &Path, table: &str, options: &[&str]) -> Value {
 /// Checks that images of the last result agree by beams and by rays, and differ by a table without
 /// deviations.
 fn images(here: &Path) {
-    let place = ["--distance", "250", "--incidence", "20", "--azimuth", "10"];
+    let place = "--distance 250 --incidence 20 --azimuth 10";
     for table in ["beams", "rays", "straight"] {
         let (table, image) = (format!("{table}.h5"), format!("{table}.exr"));
-        let files = ["--source", "campaign/source.exr", "--params", "r.json"];
-        let tables = ["--table", &table, "-o", &image];
-        let run = fit(here, &[&["render"], &files[..], &tables, &place].concat());
+        let files = "--source campaign/source.exr --params r.json";
+        let tables = format!("--table {table} -o {image}");
+        let run = fit(here, &format!("render {files} {tables} {place}"));
         assert_eq!(run.code, Some(0), "{}", run.err);
     }
     let light = |image: &str| {
@@ -190,24 +166,20 @@ fn images(here: &Path) {
 fn photographs_of_uneven_cubes_give_back_what_was_planted() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let many = ["--method", "rays", "--rays", "4194304"];
-    let off = [&many[..], &["--deviations", "off"]].concat();
-    for (file, options) in [
-        ("beams.h5", &[][..]),
-        ("rays.h5", &many),
-        ("straight.h5", &off),
-    ] {
+    let many = "--method rays --rays 4194304";
+    let off = format!("{many} --deviations off");
+    for (file, options) in [("beams.h5", ""), ("rays.h5", many), ("straight.h5", &off)] {
         baked(here, file, options);
     }
     photographed(here, "beams.h5");
     let truth = json(&here.join("campaign/truth.json"));
-    let by_samples = ["--forward", "render", "--loss", "mtf", "--samples", "64"];
+    let by_samples = "--forward render --loss mtf --samples 64";
     let mut judged = 0;
     for (table, options) in [
-        ("beams.h5", &[][..]),
-        ("rays.h5", &[]),
-        ("beams.h5", &by_samples),
-        ("rays.h5", &by_samples),
+        ("beams.h5", ""),
+        ("rays.h5", ""),
+        ("beams.h5", by_samples),
+        ("rays.h5", by_samples),
     ] {
         let result = estimated(here, table, options);
         for number in numbers(&result, &truth) {
@@ -220,7 +192,7 @@ fn photographs_of_uneven_cubes_give_back_what_was_planted() {
     }
     assert_eq!(judged, 12);
     images(here);
-    let ignored = estimated(here, "straight.h5", &[]);
+    let ignored = estimated(here, "straight.h5", "");
     for number in numbers(&ignored, &truth) {
         println!(
             "deviations left out: {number:?} score {:.1}",
@@ -235,17 +207,7 @@ fn photographs_of_uneven_cubes_give_back_what_was_planted() {
             .is_some_and(|scale| scale > 1.0)
     );
     // `fit simulate` needs the polygons of an exact table for a sheet that is not ideal.
-    let refused = fit(
-        here,
-        &[
-            "simulate",
-            "params.toml",
-            "--table",
-            "rays.h5",
-            "-o",
-            "none",
-        ],
-    );
+    let refused = fit(here, "simulate params.toml --table rays.h5 -o none");
     assert_eq!(refused.code, Some(1));
     assert!(refused.err.contains("no polygons"), "{}", refused.err);
 }

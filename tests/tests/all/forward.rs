@@ -13,7 +13,7 @@ struct Campaign {
     name: &'static str,
     incidence: &'static str,
     lobe: &'static str,
-    sharing: [&'static str; 2],
+    sharing: &'static str,
     numbers: usize,
 }
 
@@ -22,14 +22,14 @@ const CAMPAIGNS: [Campaign; 2] = [
         name: "public_per_angle",
         incidence: "0:45:5",
         lobe: "radial",
-        sharing: ["--per-angle", "a,mu"],
+        sharing: "--per-angle a,mu",
         numbers: 21,
     },
     Campaign {
         name: "public_shared",
         incidence: "0:45:15",
         lobe: "separable",
-        sharing: ["--shared", "a,mu"],
+        sharing: "--shared a,mu",
         numbers: 3,
     },
 ];
@@ -61,25 +61,18 @@ fn the_render_lands_on_the_closed_form() {
     for campaign in &CAMPAIGNS {
         let table = bake_table(here, "triangular-pair", campaign.incidence, "30");
         let manifest = argument(&format!("tests/captures/{}/captures.toml", campaign.name));
-        let estimate = |options: &[&str]| {
-            let terms = ["--kernel", "eq1", "--lobe", campaign.lobe];
-            let files = [
-                "estimate",
-                &manifest,
-                "--table",
-                &table,
-                "-o",
-                "result.json",
-            ];
+        let estimate = |options: &str| {
+            let terms = format!("--kernel eq1 --lobe {}", campaign.lobe);
+            let files = format!("estimate {manifest} --table {table} -o result.json");
             let run = fit(
                 here,
-                &[&files[..], &terms, &campaign.sharing, options].concat(),
+                &format!("{files} {terms} {} {options}", campaign.sharing),
             );
             assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
             json(&here.join("result.json"))
         };
         for loss in ["mtf", "mse"] {
-            let closed = estimate(&["--loss", loss]);
+            let closed = estimate(&format!("--loss {loss}"));
             assert_eq!(
                 (&closed["forward"], &closed["sampling"]),
                 (&"spectral".into(), &Value::Null)
@@ -97,7 +90,7 @@ fn the_render_lands_on_the_closed_form() {
                 );
             }
             assert_eq!(scored.len(), campaign.numbers);
-            let render = estimate(&["--forward", "render", "--loss", loss, "--samples", "16"]);
+            let render = estimate(&format!("--forward render --loss {loss} --samples 16"));
             assert_eq!(
                 (&render["forward"], &render["loss"]),
                 (&"render".into(), &loss.into())
@@ -135,18 +128,11 @@ fn what_the_render_cannot_do_is_refused() {
     let manifest = argument("tests/captures/public_shared/captures.toml");
     let mut cases = 0;
     for (options, said) in [
-        (["--kernel", "wave"], "has no samples"),
-        (["--loss", "edge"], "compares MTFs"),
+        ("--kernel wave", "has no samples"),
+        ("--loss edge", "compares MTFs"),
     ] {
-        let files = [
-            "estimate",
-            &manifest,
-            "--table",
-            "none.h5",
-            "--forward",
-            "render",
-        ];
-        let run = fit(std::path::Path::new("."), &[&files[..], &options].concat());
+        let files = format!("estimate {manifest} --table none.h5 --forward render");
+        let run = fit(std::path::Path::new("."), &format!("{files} {options}"));
         assert_eq!(run.code, Some(2), "{}\n{}", run.line, run.err);
         assert!(run.err.contains(said), "{}", run.err);
         cases += 1;

@@ -26,8 +26,8 @@ const MEASURE: &str = "import resource, subprocess, sys\n\
 
 /// Bakes a small table of rays as `table.h5` in `folder`.
 fn table(folder: &Path) {
-    let options = ["--method", "rays", "--rays", "16384", "--bins", "16"];
-    let table = bake_table_with(folder, "triangular", "0,20", "30", &options);
+    let options = "--method rays --rays 16384 --bins 16";
+    let table = bake_table_with(folder, "triangular", "0,20", "30", options);
     std::fs::rename(folder.join(table), folder.join("table.h5")).unwrap();
 }
 
@@ -133,7 +133,7 @@ fn a_crash_of_the_hdf5_library_is_an_error() {
             changed[at] = [0, 1, 0x7f, 0x80, 0xff][below(5)];
         }
         std::fs::write(folder.path().join("changed.h5"), changed).unwrap();
-        let run = tests::program::bake(folder.path(), &["inspect", "changed.h5"]);
+        let run = tests::program::bake(folder.path(), "inspect changed.h5");
         match run.code {
             Some(0) => read += 1,
             Some(1) if run.err.contains("the process that reads it") => crashed += 1,

@@ -50,8 +50,8 @@ fn a_folder_gives_a_row_for_each_photograph() {
     let here = folder.path();
     std::fs::create_dir(here.join("edges")).unwrap();
     fill(&here.join("edges"));
-    let options = ["--pixel-pitch", "0.05", "--at", "2,5"];
-    let arguments = [&["mtf", "edges", "-o", "rows.csv"][..], &options].concat();
+    let options = "--pixel-pitch 0.05 --at 2,5";
+    let arguments = format!("mtf edges -o rows.csv {options}");
     let run = fit(here, &arguments);
     assert_eq!(run.code, Some(1), "{}\n{}", run.line, run.err);
     for part in [
@@ -72,7 +72,7 @@ fn a_folder_gives_a_row_for_each_photograph() {
     let mut numbers = 0;
     for (row, image) in rows[1..3].iter().zip(&images) {
         let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
-        let alone = fit(here, &[&["mtf", image, "--json"][..], &options].concat()).done();
+        let alone = fit(here, &format!("mtf {image} --json {options}")).done();
         let alone: serde_json::Value = serde_json::from_str(&alone).unwrap();
         for (name, held) in [
             ("mtf50_per_mm", &alone["mtf50_per_mm"]),
@@ -98,7 +98,7 @@ fn a_folder_gives_a_row_for_each_photograph() {
     assert!(refused[column("error")].contains("aligned with the pixel grid"));
     assert_eq!(refused[column("mtf50_per_mm")], "");
     // JSON holds the entries in the same order.
-    let run = fit(here, &["mtf", "edges/z.png", "edges/a.exr", "--json"]);
+    let run = fit(here, "mtf edges/z.png edges/a.exr --json");
     assert_eq!(run.code, Some(1));
     let object: serde_json::Value = serde_json::from_str(&run.out).unwrap();
     let entries = object["photographs"].as_array().unwrap();
@@ -116,23 +116,19 @@ fn what_cannot_be_measured_leaves_files_alone() {
     std::fs::write(here.join("kept.csv"), "kept").unwrap();
     let mut cases = 0;
     for (arguments, code, part) in [
-        (&["z.png"][..], 1, "the edge is aligned with the pixel grid"),
-        (&["empty"], 1, "empty: the folder holds no picture"),
+        ("z.png", 1, "the edge is aligned with the pixel grid"),
+        ("empty", 1, "empty: the folder holds no picture"),
         (
-            &["a.exr", "--at", "1.5"],
+            "a.exr --at 1.5",
             2,
             "--at 1.5: lies above the sampling frequency",
         ),
-        (&["a.exr", "--plot", "curve.bmp"], 2, "curve.bmp"),
-        (&["a.exr", "--plot", "a.exr"], 2, "a.exr"),
-        (
-            &["a.exr", "none.exr", "--plot", "z.png", "z.png"],
-            1,
-            "z.png",
-        ),
-        (&[], 2, "<IMAGE>"),
+        ("a.exr --plot curve.bmp", 2, "curve.bmp"),
+        ("a.exr --plot a.exr", 2, "a.exr"),
+        ("a.exr none.exr --plot z.png z.png", 1, "z.png"),
+        ("", 2, "<IMAGE>"),
     ] {
-        let run = fit(here, &[&["mtf", "-o", "kept.csv"][..], arguments].concat());
+        let run = fit(here, &format!("mtf -o kept.csv {arguments}"));
         assert_eq!(run.code, Some(code), "{}\n{}", run.line, run.err);
         assert!(run.err.contains(part), "{}\n{}", run.line, run.err);
         assert_eq!(
@@ -150,19 +146,23 @@ fn a_plot_shows_each_photograph() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     fill(here);
-    let plot = ["mtf", "a.exr", "b, \"c\".exr", "--plot", "curves.svg"];
-    fit(here, &[&plot[..], &["-o", "rows.csv"]].concat()).done();
+    let plot = [
+        "mtf",
+        "a.exr",
+        "b, \"c\".exr",
+        "--plot",
+        "curves.svg",
+        "-o",
+        "rows.csv",
+    ];
+    fit(here, &plot).done();
     let drawn = std::fs::read_to_string(here.join("curves.svg")).unwrap();
     assert!(
         drawn.contains("<svg") && drawn.contains("a.exr: 0.300"),
         "{drawn}"
     );
     assert!(drawn.contains("cycles/pixel"));
-    fit(
-        here,
-        &["mtf", "a.exr", "--plot", "curve.png", "-o", "curve.csv"],
-    )
-    .done();
+    fit(here, "mtf a.exr --plot curve.png -o curve.csv").done();
     let picture = image::open(here.join("curve.png")).unwrap();
     assert!(picture.width() > 400 && picture.height() > 300);
 }

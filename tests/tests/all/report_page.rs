@@ -21,11 +21,7 @@ const HOSTILE: &str = "<script>alert('1')&\"<b>.exr";
 /// larger than 1. One photograph at 20 degrees has a hostile name, a region and a transfer.
 fn doubtful_campaign(here: &Path) -> String {
     let parameters = argument("tests/tests/all/planted/eq1.toml");
-    fit(
-        here,
-        &["simulate", &parameters, "-o", "campaign", "--force"],
-    )
-    .done();
+    fit(here, &format!("simulate {parameters} -o campaign --force")).done();
     let folder = here.join("campaign");
     let manifest = folder.join("captures.toml");
     let text = fs::read_to_string(&manifest).unwrap();
@@ -46,14 +42,12 @@ fn doubtful_campaign(here: &Path) -> String {
 }
 
 /// Runs `fit estimate --report` on [`doubtful_campaign`]; returns the page and the result.
-fn report(here: &Path, options: &[&str]) -> (String, Value) {
+fn report(here: &Path, options: &str) -> (String, Value) {
     let table = bake_table(here, "triangular-pair", "0:40:20", "30");
     let manifest = doubtful_campaign(here);
-    let files = [
-        "estimate", &manifest, "--table", &table, "-o", "r.json", "--report", "r.html",
-    ];
-    let truth = ["--truth", "campaign/truth.json"];
-    let run = fit(here, &[&files[..], &truth, options].concat());
+    let files = format!("estimate {manifest} --table {table} -o r.json --report r.html");
+    let truth = "--truth campaign/truth.json";
+    let run = fit(here, &format!("{files} {truth} {options}"));
     assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
     let page = fs::read_to_string(here.join("r.html")).unwrap();
     (page, json(&here.join("r.json")))
@@ -122,7 +116,7 @@ fn asks_for_nothing(page: &str, tree: &Document) {
 #[test]
 fn the_page_is_whole_and_escaped() {
     let folder = tempfile::tempdir().unwrap();
-    let (page, result) = report(folder.path(), &[]);
+    let (page, result) = report(folder.path(), "");
     let tree = parse(&page);
     asks_for_nothing(&page, &tree);
 
@@ -251,7 +245,7 @@ fn the_page_is_whole_and_escaped() {
 #[test]
 fn the_page_can_be_read_by_all() {
     let folder = tempfile::tempdir().unwrap();
-    let (page, _) = report(folder.path(), &[]);
+    let (page, _) = report(folder.path(), "");
     let tree = parse(&page);
     assert_eq!(tree.root_element().attribute("lang"), Some("en"));
     // The page explains each technical word exactly once.
@@ -306,7 +300,7 @@ fn the_page_can_be_read_by_all() {
 fn the_first_screen_shows_numbers_and_an_image_like_the_verb() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let (page, result) = report(here, &[]);
+    let (page, result) = report(here, "");
     let tree = parse(&page);
     let numbers: Vec<String> = all(&tree, "dl")
         .filter(|list| list.attribute("class") == Some("brief cards"))
@@ -346,13 +340,11 @@ fn the_first_screen_shows_numbers_and_an_image_like_the_verb() {
     let distance = farthest.fold(0.0, f64::max).to_string();
     let incidence = least.to_string();
     let table = bake_table(here, "triangular-pair", "0:40:20", "30");
-    let files = [
-        "render", "--source", &sign, "--params", "r.json", "--table", &table,
-    ];
-    let place = ["--distance", &distance, "--incidence", &incidence];
-    let look = ["--pixel-pitch", "0.1", "--auto-exposure", "-o", "sign.png"];
+    let files = format!("render --source {sign} --params r.json --table {table}");
+    let place = format!("--distance {distance} --incidence {incidence}");
+    let look = "--pixel-pitch 0.1 --auto-exposure -o sign.png";
     // The verb repeats the warnings of the result.
-    let run = fit(here, &[&files[..], &place, &look].concat());
+    let run = fit(here, &format!("{files} {place} {look}"));
     assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
     let rendered = image::open(here.join("sign.png")).unwrap().to_rgb16();
     assert_eq!(rendered.dimensions(), pictures[1].dimensions());
@@ -368,8 +360,8 @@ fn the_first_screen_shows_numbers_and_an_image_like_the_verb() {
 #[test]
 fn the_page_does_not_depend_on_threads() {
     let folder = tempfile::tempdir().unwrap();
-    let (one, _) = report(folder.path(), &["--threads", "1"]);
-    let (two, _) = report(folder.path(), &["--threads", "2"]);
+    let (one, _) = report(folder.path(), "--threads 1");
+    let (two, _) = report(folder.path(), "--threads 2");
     assert!(one.contains("--threads 1"));
     assert!(one.replace("--threads 1", "--threads 2") == two);
 }
@@ -380,9 +372,7 @@ fn a_crop_shows_the_photograph_that_is_warned_about() {
     let here = folder.path();
     let table = bake_table(here, "triangular-pair", "0:40:40", "30");
     let manifest = doubtful_campaign(here);
-    let files = [
-        "estimate", &manifest, "--table", &table, "--report", "r.html",
-    ];
+    let files = format!("estimate {manifest} --table {table} --report r.html");
     let run = fit(here, &files);
     assert_eq!(run.code, Some(0), "{}", run.err);
     let page = fs::read_to_string(here.join("r.html")).unwrap();
@@ -427,19 +417,10 @@ fn what_is_only_bounded_has_a_page_too() {
         .replace("kernel = \"angular\"", "kernel = \"lobe\"")
         .replace("a = 900.0", "a = 2.5");
     fs::write(here.join("lobe.toml"), parameters).unwrap();
-    fit(here, &["simulate", "lobe.toml", "-o", "lobe"]).done();
-    let files = [
-        "estimate",
-        "lobe/captures.toml",
-        "--table",
-        &table,
-        "-o",
-        "r.json",
-        "--report",
-        "r.html",
-    ];
-    let terms = ["--kernel", "eq1", "--lobe", "separable", "--shared", "a,mu"];
-    fit(here, &[&files[..], &terms].concat()).done();
+    fit(here, "simulate lobe.toml -o lobe").done();
+    let files = format!("estimate lobe/captures.toml --table {table} -o r.json --report r.html");
+    let terms = "--kernel eq1 --lobe separable --shared a,mu";
+    fit(here, &format!("{files} {terms}")).done();
     let result = json(&here.join("r.json"));
     assert!(
         result["bounds"]["c_mm"]["at_most"].is_f64(),
@@ -460,7 +441,7 @@ fn what_is_only_bounded_has_a_page_too() {
     assert_eq!(profiles.count(), 1);
 
     // If the kernel is left open, `lobe` is chosen. c is not in this model, but has a bound.
-    fit(here, &[&files[..], &["--lobe", "separable"]].concat()).done();
+    fit(here, &format!("{files} --lobe separable")).done();
     assert_eq!(json(&here.join("r.json"))["kernel"], "lobe");
     let page = fs::read_to_string(here.join("r.html")).unwrap();
     bound(&parse(&page));
@@ -479,9 +460,7 @@ fn a_page_replaces_no_input_and_no_other_output() {
         ("same", "give each a file of its own"),
         ("no/such/folder/r.html", "make the folder"),
     ] {
-        let files = [
-            "estimate", &manifest, "--table", &table, "-o", "same", "--report", other,
-        ];
+        let files = format!("estimate {manifest} --table {table} -o same --report {other}");
         let run = fit(here, &files);
         assert_eq!(run.code, Some(1), "{}", run.line);
         assert!(run.err.contains(remedy), "{}", run.err);
@@ -502,7 +481,7 @@ fn a_browser_shows_the_page_at_every_width_and_on_paper() {
     };
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let (page, _) = report(here, &[]);
+    let (page, _) = report(here, "");
     let probe = include_str!("probe.js");
     let hash = base64::engine::general_purpose::STANDARD.encode(Sha256::digest(probe));
     let probed = page
