@@ -158,7 +158,6 @@ const AERIAL: Shot = Shot {
 #[test]
 fn relative_exposure_is_seconds_times_iso_over_the_squared_f_number() {
     let folder = tempfile::tempdir().unwrap();
-    let mut cases = 0;
     for big in [false, true] {
         for names in [["a.jpg", "b.jpg"], ["a.tif", "b.tif"], ["a.tif", "b.jpg"]] {
             let file = |name: &'static str, shot| {
@@ -185,7 +184,6 @@ fn relative_exposure_is_seconds_times_iso_over_the_squared_f_number() {
                     warning.contains("Exif") && warning.contains("ISO 400"),
                     "{warning}"
                 );
-                cases += 1;
             }
             for name in names {
                 let read = photo::load(&folder.path().join(name), &Decode::default());
@@ -193,14 +191,12 @@ fn relative_exposure_is_seconds_times_iso_over_the_squared_f_number() {
             }
         }
     }
-    assert_eq!(cases, 12);
 }
 
 /// The error names the missing setting and the file.
 #[test]
 fn a_missing_setting_is_named() {
     let folder = tempfile::tempdir().unwrap();
-    let mut cases = 0;
     for (tag, name) in [
         (0x829a, "no ExposureTime"),
         (0x829d, "no FNumber"),
@@ -215,7 +211,6 @@ fn a_missing_setting_is_named() {
             error.contains("b.tif") && error.contains(name) && error.ends_with("add `exposure`"),
             "{error}"
         );
-        cases += 1;
     }
     let mut plain = jpeg(&tiff(AERIAL, false, None));
     plain.drain(2..plain.windows(2).position(|w| w == [0xff, 0xdb]).unwrap());
@@ -224,5 +219,4 @@ fn a_missing_setting_is_named() {
         .unwrap_err()
         .to_string();
     assert!(error.contains("b.jpg has no Exif data"), "{error}");
-    assert_eq!(cases, 3);
 }

@@ -4,7 +4,6 @@
 
 mod adobe;
 mod azimuth;
-mod bad_inputs;
 mod baselines;
 mod by_hand;
 mod campaign;
