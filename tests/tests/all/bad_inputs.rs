@@ -131,13 +131,17 @@ fn photographs_manifests_and_parameters() {
     let folder = project().join("fit/tests");
     let groups = expected("fit/tests/bad/expected.toml");
     let mut cases = 0;
+    // Manifests with another fault name the good ones, which are read, but are too small to measure.
+    let mut named = ["expected.toml", "good.exr", "good.png"]
+        .map(String::from)
+        .to_vec();
     for (group, files) in &groups {
         for (file, part) in files.as_table().unwrap() {
-            let file = format!("bad/{file}");
+            named.push(file.clone());
             let line = match group.as_str() {
-                "manifests" => format!("fit estimate {file} --table {table} -o OUT"),
-                "images" => format!("fit mtf {file} -o OUT"),
-                "simulate" => format!("fit simulate {file} -o OUT"),
+                "manifests" => format!("fit estimate bad/{file} --table {table} -o OUT"),
+                "images" => format!("fit mtf bad/{file} -o OUT"),
+                "simulate" => format!("fit simulate bad/{file} -o OUT"),
                 other => panic!("no verb for the group {other}"),
             };
             bench.refuses(&folder, &line, 1, &[part.as_str().unwrap()]);
@@ -146,6 +150,14 @@ fn photographs_manifests_and_parameters() {
     }
     assert!(groups.len() == 3 && cases > 40);
     bench.all_refused(cases);
+    for entry in std::fs::read_dir(folder.join("bad")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert!(named.contains(&name), "{name} has no expected message");
+    }
+    for good in ["good.exr", "good.png"] {
+        let run = fit(&folder, &format!("mtf bad/{good}"));
+        assert!(run.err.contains("on one side of the edge"), "{}", run.err);
+    }
 }
 
 #[test]
@@ -205,173 +217,125 @@ fn tables() {
     bench.all_refused(3 * 7 + 3);
 }
 
+/// Wrong command lines: a command, and under it the exit code, what is added to the command, and a
+/// part of the sentence.
+const REFUSED: &str = r#"
+bake trace triangular.obj -o OUT
+    2 | --incidence 90 | --incidence 90
+    2 | --incidence -1 | --incidence -1
+    2 | --incidence 0:45 | --incidence 0:45
+    2 | --incidence 0:45:0 | --incidence 0:45:0
+    2 | --incidence ten | --incidence ten
+    2 | --azimuth nan | --azimuth nan
+    2 | --azimuth= | --azimuth
+    2 | --azimuth -361 | from -360 to 360
+    2 | --azimuth full:x | "x" is not an angle
+    2 | --refractive-index 0.5 | --refractive-index 0.5
+    2 | --refractive-index wood | pmma, polycarbonate, bk7
+    2 | --refractive-index bk7 | depends on the wavelength
+    2 | --rays 0 | --rays
+    2 | --rays many | --rays
+    2 | --bins 0 | --bins
+    2 | --bins many | whole number from 1 to 4096
+    2 | --range 0 | --range
+    2 | --range 1e6 | --range 1000000
+    2 | --tolerance 0 | --tolerance
+    2 | --angular-tolerance -3 | --angular-tolerance
+    2 | --angular-tolerance 20 | at most 10 degrees
+    2 | --lattice 1,0,0 | --lattice
+    2 | --azimuth-zero 1,0 | --azimuth-zero
+    2 | --edge-length -2 | --edge-length
+    2 | --edge-length 1e20 | does not fit a cell 3 wide
+    2 | --metal tin | --metal tin
+    2 | --reflectance 0.9 | needs --losses fresnel
+    2 | --deviations wide | auto, off, or a range in mrad
+    2 | --wavelength-nm 0 | --wavelength-nm 0
+    2 | --wavelength-nm 450,650 | write {nm}
+    2 | --roughness ggx:2 | ALPHA above 0 and at most 1
+    2 | --glass-index 0.9 | --glass-index 0.9
+    1 | --glass-index 1.9 | no face of the material "glass"
+    2 | --element bead | retroreflector, plate
+    2 | --threads 0 | --threads
+    2 | --method guess | --method
+    2 | --back glass | --back
+bake trace triangular.obj
+    1 | -o ./triangular.obj | is an input of this command
+    1 | -o no/such/folder/t.h5 | no/such
+    1 | -o . |
+    2 | | --output
+bake study triangular.obj
+    1 | --csv triangular.obj | is an input of this command
+bake design canted -o x.obj
+    2 | --cant-deg 80 | 80 is outside -34.5 to 52
+bake design plate -o x.obj
+    2 | --depth -3 | -3 is outside 0.001 to 1000
+bake design triangular -o x.obj
+    2 | --depth 3 | triangular does not take a depth
+    2 | --edge-radius 1 | of 1 is outside 0 to 0.6
+    2 | --dihedral-error-mrad 0,900,0 | of 900 is outside -100 to 100
+bake design pentagon
+    2 | -o OUT | pentagon
+bake design triangular
+    2 | -o OUT | .obj or .glb
+bake inspect {table}
+    2 | --plot OUT | .png or .svg
+fit estimate {manifest} --table {table} -o OUT
+    2 | --kernel eq2 | --kernel
+    2 | --lobe round | --lobe
+    2 | --per-angle c | --per-angle
+    1 | --fit-azimuth | bake trace --azimuth full
+    2 | --threads 0 | --threads
+    2 | --threads 2.5 | whole number, 1 or larger
+    2 | --plot mtf.bmp | mtf.bmp
+fit estimate {manifest} --table {table}
+    1 | -o mtf.svg --plot ./mtf.svg | is named for two outputs
+    1 | -o {of_campaign} | is an input of this command
+    1 | -o no/such/folder/r.json | no/such
+fit estimate {manifest}
+    2 | -o OUT | --table
+fit mtf {edge} -o OUT
+    2 | --roi 1,2,3 | --roi
+    1 | --roi 0,0,9999,9999 | camera_5deg.exr
+    1 | --roi 0,0,4,4 | camera_5deg.exr
+    2 | --pixel-pitch -1 | --pixel-pitch
+    2 | --transfer gamma | --transfer
+    1 | --channel infrared | infrared
+fit predict none.json --table {table} --distance 9 --incidence 10 -o OUT
+    1 | | none.json
+fit predict {manifest} --table {table} --distance 9 --incidence 10 -o OUT
+    1 | | captures.toml
+fit predict r.json --table {table} -o OUT
+    2 | --distance 0 --incidence 10 | --distance
+    2 | --distance 9 --incidence 90 | --incidence
+"#;
+
 #[test]
 fn options() {
     let mut bench = Bench::new();
     let here = bench.path().to_owned();
-    let table = bake_table(&here, "triangular", "10,25,40", "10");
-    let manifest = argument("tests/captures/public_axes/captures.toml");
-    let edge = argument("tests/edges/camera_5deg.exr");
-    let edge_of_campaign = argument("tests/captures/public_axes/source.exr");
-    let estimate = format!("fit estimate {manifest} --table {table}");
-    let to_out = format!("{estimate} -o OUT");
-    let trace = "bake trace triangular.obj -o OUT";
-    let mtf = format!("fit mtf {edge} -o OUT");
-    let predict = format!("fit predict r.json --table {table} -o OUT");
-    let predict_of = |result: &str| {
-        format!("fit predict {result} --table {table} --distance 9 --incidence 10 -o OUT")
-    };
-    // A command, what is added to it, the exit code, and a part of the sentence.
-    let cases: [(&str, &str, i32, &str); 71] = [
-        (trace, "--incidence 90", 2, "--incidence 90"),
-        (trace, "--incidence -1", 2, "--incidence -1"),
-        (trace, "--incidence 0:45", 2, "--incidence 0:45"),
-        (trace, "--incidence 0:45:0", 2, "--incidence 0:45:0"),
-        (trace, "--incidence ten", 2, "--incidence ten"),
-        (trace, "--azimuth nan", 2, "--azimuth nan"),
-        (trace, "--azimuth=", 2, "--azimuth"),
-        (trace, "--azimuth -361", 2, "from -360 to 360"),
-        (trace, "--azimuth full:x", 2, "\"x\" is not an angle"),
-        (trace, "--refractive-index 0.5", 2, "--refractive-index 0.5"),
+    let names = [
+        ("{table}", bake_table(&here, "triangular", "10,25,40", "10")),
         (
-            trace,
-            "--refractive-index wood",
-            2,
-            "pmma, polycarbonate, bk7",
+            "{manifest}",
+            argument("tests/captures/public_axes/captures.toml"),
         ),
         (
-            trace,
-            "--refractive-index bk7",
-            2,
-            "depends on the wavelength",
+            "{of_campaign}",
+            argument("tests/captures/public_axes/source.exr"),
         ),
-        (trace, "--rays 0", 2, "--rays"),
-        (trace, "--rays many", 2, "--rays"),
-        (trace, "--bins 0", 2, "--bins"),
-        (trace, "--bins many", 2, "whole number from 1 to 4096"),
-        (trace, "--range 0", 2, "--range"),
-        (trace, "--range 1e6", 2, "--range 1000000"),
-        (trace, "--tolerance 0", 2, "--tolerance"),
-        (trace, "--angular-tolerance -3", 2, "--angular-tolerance"),
-        (trace, "--angular-tolerance 20", 2, "at most 10 degrees"),
-        (trace, "--lattice 1,0,0", 2, "--lattice"),
-        (trace, "--azimuth-zero 1,0", 2, "--azimuth-zero"),
-        (trace, "--edge-length -2", 2, "--edge-length"),
-        (trace, "--edge-length 1e20", 2, "does not fit a cell 3 wide"),
-        (trace, "--metal tin", 2, "--metal tin"),
-        (trace, "--reflectance 0.9", 2, "needs --losses fresnel"),
-        (
-            trace,
-            "--deviations wide",
-            2,
-            "auto, off, or a range in mrad",
-        ),
-        (trace, "--wavelength-nm 0", 2, "--wavelength-nm 0"),
-        (trace, "--wavelength-nm 450,650", 2, "write {nm}"),
-        (trace, "--roughness ggx:2", 2, "ALPHA above 0 and at most 1"),
-        (trace, "--glass-index 0.9", 2, "--glass-index 0.9"),
-        (
-            trace,
-            "--glass-index 1.9",
-            1,
-            "no face of the material \"glass\"",
-        ),
-        (trace, "--element bead", 2, "retroreflector, plate"),
-        (trace, "--threads 0", 2, "--threads"),
-        (trace, "--method guess", 2, "--method"),
-        (trace, "--back glass", 2, "--back"),
-        (
-            "bake trace triangular.obj",
-            "-o ./triangular.obj",
-            1,
-            "is an input of this command",
-        ),
-        (
-            "bake trace triangular.obj",
-            "-o no/such/folder/t.h5",
-            1,
-            "no/such",
-        ),
-        ("bake trace triangular.obj", "-o .", 1, ""),
-        ("bake trace triangular.obj", "", 2, "--output"),
-        (
-            "bake study triangular.obj",
-            "--csv triangular.obj",
-            1,
-            "is an input of this command",
-        ),
-        (
-            "bake design canted -o x.obj",
-            "--cant-deg 80",
-            2,
-            "80 is outside -34.5 to 52",
-        ),
-        (
-            "bake design plate -o x.obj",
-            "--depth -3",
-            2,
-            "-3 is outside 0.001 to 1000",
-        ),
-        (
-            "bake design triangular -o x.obj",
-            "--depth 3",
-            2,
-            "triangular does not take a depth",
-        ),
-        (
-            "bake design triangular -o x.obj",
-            "--edge-radius 1",
-            2,
-            "of 1 is outside 0 to 0.6",
-        ),
-        (
-            "bake design triangular -o x.obj",
-            "--dihedral-error-mrad 0,900,0",
-            2,
-            "of 900 is outside -100 to 100",
-        ),
-        ("bake design pentagon", "-o OUT", 2, "pentagon"),
-        ("bake design triangular", "-o OUT", 2, ".obj or .glb"),
-        (
-            &format!("bake inspect {table}"),
-            "--plot OUT",
-            2,
-            ".png or .svg",
-        ),
-        (&to_out, "--kernel eq2", 2, "--kernel"),
-        (&to_out, "--lobe round", 2, "--lobe"),
-        (&to_out, "--per-angle c", 2, "--per-angle"),
-        (&to_out, "--fit-azimuth", 1, "bake trace --azimuth full"),
-        (&to_out, "--threads 0", 2, "--threads"),
-        (&to_out, "--threads 2.5", 2, "whole number, 1 or larger"),
-        (&to_out, "--plot mtf.bmp", 2, "mtf.bmp"),
-        (
-            &estimate,
-            "-o mtf.svg --plot ./mtf.svg",
-            1,
-            "is named for two outputs",
-        ),
-        (
-            &estimate,
-            &format!("-o {edge_of_campaign}"),
-            1,
-            "is an input of this command",
-        ),
-        (&estimate, "-o no/such/folder/r.json", 1, "no/such"),
-        (&format!("fit estimate {manifest}"), "-o OUT", 2, "--table"),
-        (&mtf, "--roi 1,2,3", 2, "--roi"),
-        (&mtf, "--roi 0,0,9999,9999", 1, "camera_5deg.exr"),
-        (&mtf, "--roi 0,0,4,4", 1, "camera_5deg.exr"),
-        (&mtf, "--pixel-pitch -1", 2, "--pixel-pitch"),
-        (&mtf, "--transfer gamma", 2, "--transfer"),
-        (&mtf, "--channel infrared", 1, "infrared"),
-        (&predict_of("none.json"), "", 1, "none.json"),
-        (&predict_of(&manifest), "", 1, "captures.toml"),
-        (&predict, "--distance 0 --incidence 10", 2, "--distance"),
-        (&predict, "--distance 9 --incidence 90", 2, "--incidence"),
+        ("{edge}", argument("tests/edges/camera_5deg.exr")),
     ];
-    for (command, more, code, part) in cases {
-        bench.refuses(&here, &format!("{command} {more}"), code, &[part]);
+    let mut command = "";
+    for line in REFUSED.trim().lines() {
+        let parts: Vec<&str> = line.split('|').map(str::trim).collect();
+        let [code, more, part] = parts[..] else {
+            command = line;
+            continue;
+        };
+        let line = format!("{command} {more}");
+        let replaced = |line: String, (name, path): &(&str, String)| line.replace(name, path);
+        let line = names.iter().fold(line, replaced);
+        bench.refuses(&here, &line, code.parse().unwrap(), &[part]);
     }
     bench.all_refused(71);
 }
@@ -398,7 +362,7 @@ fn azimuths_have_one_rule() {
     }
     for azimuth in ["-360,-30,360", "-360:360:90"] {
         let line = format!("predict {sheet} -o p.csv --azimuth {azimuth}");
-        fit(&here, &line).done();
+        assert_eq!(fit(&here, &line).code, Some(0), "{azimuth}");
     }
     bench.all_refused(4 * 3);
 }

@@ -160,45 +160,42 @@ fn images(here: &Path) {
     assert!(rays > 60.0 && straight < 50.0, "{rays} {straight}");
 }
 
-/// Both kinds of tables give back a, c and mu, in closed form and by samples. A table without
-/// deviations does not.
+/// Bakes uneven cubes by beams and by rays, photographs them, and checks that estimates of these
+/// photographs give back a, c and mu.
+fn give_back(here: &Path, options: &str) {
+    baked(here, "beams.h5", "");
+    baked(here, "rays.h5", "--method rays --rays 4194304");
+    photographed(here, "beams.h5");
+    let truth = json(&here.join("campaign/truth.json"));
+    for table in ["beams.h5", "rays.h5"] {
+        let found = numbers(&estimated(here, table, options), &truth);
+        assert_eq!(found.len(), 3);
+        for number in found {
+            println!("{table} {options:?} {number:?} score {:.2}", number.score());
+            // If the 12 numbers of both tests were independent, one of them would fail in one of
+            // 12,000 draws of the noise. The seed is fixed.
+            assert!(number.score().abs() < 4.5, "{table} {number:?}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "takes a minute: `make test-slowest` runs it"]
+fn photographs_of_uneven_cubes_give_back_by_samples_what_was_planted() {
+    let folder = tempfile::tempdir().unwrap();
+    give_back(folder.path(), "--forward render --loss mtf --samples 64");
+}
+
+/// Both kinds of tables give back a, c and mu. A table without deviations does not.
 #[test]
 fn photographs_of_uneven_cubes_give_back_what_was_planted() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let many = "--method rays --rays 4194304";
-    let off = format!("{many} --deviations off");
-    for (file, options) in [("beams.h5", ""), ("rays.h5", many), ("straight.h5", &off)] {
-        baked(here, file, options);
-    }
-    photographed(here, "beams.h5");
-    let truth = json(&here.join("campaign/truth.json"));
-    let by_samples = "--forward render --loss mtf --samples 64";
-    let mut judged = 0;
-    for (table, options) in [
-        ("beams.h5", ""),
-        ("rays.h5", ""),
-        ("beams.h5", by_samples),
-        ("rays.h5", by_samples),
-    ] {
-        let result = estimated(here, table, options);
-        for number in numbers(&result, &truth) {
-            println!("{table} {options:?} {number:?} score {:.2}", number.score());
-            // If the 12 numbers were independent, one of them would fail in one of 12,000 draws of
-            // the noise. The seed is fixed.
-            assert!(number.score().abs() < 4.5, "{table} {number:?}");
-            judged += 1;
-        }
-    }
-    assert_eq!(judged, 12);
+    give_back(here, "");
+    let off = "--method rays --rays 4194304 --deviations off";
+    baked(here, "straight.h5", off);
     images(here);
     let ignored = estimated(here, "straight.h5", "");
-    for number in numbers(&ignored, &truth) {
-        println!(
-            "deviations left out: {number:?} score {:.1}",
-            number.score()
-        );
-    }
     // The misfit is noticed, and raises the standard errors.
     assert_ne!(ignored["fit"]["verdict"], "good", "{}", ignored["fit"]);
     assert!(
@@ -220,13 +217,13 @@ fn coarse_bins_are_said_where_they_matter() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let design = "design triangular-pair -o curved.obj --sag 2e-5 --segments 12";
-    bake(here, &Vec::from_iter(design.split(' '))).done();
+    bake(here, design).done();
     for (file, deviations) in [("fine.h5", ""), ("coarse.h5", " --deviations 26")] {
         let trace = format!(
             "trace curved.obj -o {file} --normals file --method rays --refractive-index 1.49 \
             --incidence 0 --azimuth 30 --rays 262144{deviations}"
         );
-        let run = bake(here, &Vec::from_iter(trace.split(' ')));
+        let run = bake(here, &trace);
         assert_eq!(run.code, Some(0), "{}", run.err);
     }
     // MTFs along both axes at a distance, and the warning about bins.
@@ -235,7 +232,7 @@ fn coarse_bins_are_said_where_they_matter() {
             "predict --table {file} --c 0.18 --a 4 --distance {r_mm} --incidence 0 --frequency \
             0:2:0.02 --json"
         );
-        let run = fit(here, &Vec::from_iter(predict.split(' ')));
+        let run = fit(here, &predict);
         assert_eq!(run.code, Some(0), "{}", run.err);
         let all: Value = serde_json::from_str(&run.out).expect("JSON");
         let of = |own: &Value| -> Vec<f64> {

@@ -19,7 +19,7 @@ fn a_plate_blurs_as_its_slits_do() {
     let trace = "trace plate.glb -o plate.h5 --element plate";
     let directions = "--refractive-index 1.5 --azimuth 45";
     bake(here, &format!("{trace} {directions}")).done();
-    let judged = bake(here, "verify plate.h5 --mesh plate.glb");
+    let judged = bake(here, "verify plate.h5 --mesh plate.glb --rays 65536");
     assert_eq!(judged.code, Some(0), "{}", judged.err);
 
     let table = tables::read(&here.join("plate.h5")).unwrap();

@@ -30,7 +30,7 @@ fn an_unexpected_table_is_refused() {
         );
         fs::write(here.join(format!("{name}.toml")), text).unwrap();
     }
-    let terms = "--kernel eq1 --lobe radial --shared a,c,mu";
+    let terms = "--kernel eq1 --lobe separable --shared a,c,mu";
     let (found, in_line) = (
         format!("{table}: has the content hash {hash}"),
         "`expect_table` in other.toml:".to_owned(),

@@ -51,7 +51,7 @@ fn rays_and_beams_agree_however_the_work_is_split() {
         compared += 2;
         let mesh = format!("{design}.obj");
         for table in [exact.as_str(), "merged.h5"] {
-            bake(here, &format!("verify {table} --mesh {mesh}")).done();
+            bake(here, &format!("verify {table} --mesh {mesh} --rays 65536")).done();
             compared += 1;
         }
     }
@@ -88,9 +88,8 @@ fn directions_are_chosen_and_interpolated() {
     let words = "trace pair.obj -o all.h5 --incidence 0,45";
     let all = "--azimuth full --direction-tolerance 0.02";
     bake(here, &format!("{words} {all} {front}")).done();
-    bake(here, "verify all.h5 --mesh pair.obj").done();
+    bake(here, "verify all.h5 --mesh pair.obj --rays 65536").done();
     let between = tables::read(&here.join("all.h5")).unwrap();
-    let mut cases = 0;
     for (incidence, azimuth) in [("37", "4"), ("42", "11"), ("44", "61"), ("33", "356")] {
         let words = format!("trace pair.obj -o one.h5 --incidence {incidence}");
         bake(here, &format!("{words} --azimuth {azimuth} {front}")).done();
@@ -101,9 +100,7 @@ fn directions_are_chosen_and_interpolated() {
         let off = found.retroreflected - one.retroreflected[[0, 0]];
         // The shares of two distributions differ by at most twice their total variation.
         assert!(off.abs() <= 0.04, "{incidence} {azimuth}: {off}");
-        cases += 1;
     }
-    assert_eq!(cases, 4);
 }
 
 /// Photographs with this light: the table that has it gives the planted numbers, the table without
@@ -156,7 +153,6 @@ fn photographs_at_a_steep_angle_need_the_light() {
     }
     let wrong = estimate(&once, "--lobe radial");
     assert_ne!(wrong["fit"]["verdict"], "good", "{}", wrong["fit"]);
-    let mut models = 0;
     for options in [
         "--kernel angular --loss mtf",
         "--kernel shift --loss mtf",
@@ -168,9 +164,7 @@ fn photographs_at_a_steep_angle_need_the_light() {
         "--model mrm --loss mtf",
     ] {
         estimate("trapped.h5", options);
-        models += 1;
     }
-    assert_eq!(models, 8);
     estimate("trapped.h5", "--lobe radial");
     let view = "--table trapped.h5 --distance 200 --incidence 40 --azimuth 0";
     let predicted = fit(here, &format!("predict result.json {view} --json"));

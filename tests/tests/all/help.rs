@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use tests::files::{argument, project};
+use tests::files::argument;
 use tests::program::{Run, bake, fit, run};
 
 const PROGRAMS: [&str; 2] = ["bake", "fit"];
@@ -74,17 +74,16 @@ fn photograph(file: &Path) {
 fn every_example_runs_as_printed() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let campaign = project().join("tests/captures/public_per_angle");
-    for entry in std::fs::read_dir(&campaign).unwrap() {
-        let file = entry.unwrap().path();
-        std::fs::copy(&file, here.join(file.file_name().unwrap())).unwrap();
-    }
+    let planted = argument("tests/tests/all/planted/eq1.toml");
+    let line = format!("simulate {planted} -o {} --force", here.display());
+    fit(here, &line).done();
     std::fs::copy(
         argument("tests/edges/camera_5deg.exr"),
         here.join("edge.exr"),
     )
     .unwrap();
-    std::fs::copy(argument("fit/doc/ranges.toml"), here.join("ranges.toml")).unwrap();
+    let ranges = "photographs = { from = 2, to = 3 }\n";
+    std::fs::write(here.join("ranges.toml"), ranges).unwrap();
     for name in ["photo.png", "content.png", "photograph.png"] {
         photograph(&here.join(name));
     }

@@ -32,6 +32,7 @@ fn table(folder: &Path) {
 }
 
 #[test]
+#[ignore = "takes a minute: a hundred files; `make test-kills` runs it"]
 fn every_hostile_file_is_refused_in_little_time_and_memory() {
     let folder = tempfile::tempdir().unwrap();
     table(folder.path());
@@ -102,6 +103,7 @@ fn every_hostile_file_is_refused_in_little_time_and_memory() {
 /// Random changes of HDF5 structures without checksums end in a table or in an error. A signal must
 /// never end the program.
 #[test]
+#[ignore = "takes a minute: 150 runs; `make test-kills` runs it"]
 fn a_crash_of_the_hdf5_library_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     table(folder.path());

@@ -50,9 +50,7 @@ fn a_folder_gives_a_row_for_each_photograph() {
     let here = folder.path();
     std::fs::create_dir(here.join("edges")).unwrap();
     fill(&here.join("edges"));
-    let options = "--pixel-pitch 0.05 --at 2,5";
-    let arguments = format!("mtf edges -o rows.csv {options}");
-    let run = fit(here, &arguments);
+    let run = fit(here, "mtf edges -o rows.csv --pixel-pitch 0.05 --at 2,5");
     assert_eq!(run.code, Some(1), "{}\n{}", run.line, run.err);
     for part in [
         "warning: refused: edges/z.png: the edge is aligned with the pixel grid",
@@ -72,7 +70,17 @@ fn a_folder_gives_a_row_for_each_photograph() {
     let mut numbers = 0;
     for (row, image) in rows[1..3].iter().zip(&images) {
         let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
-        let alone = fit(here, &format!("mtf {image} --json {options}")).done();
+        // The name of one of them has spaces.
+        let words = [
+            "mtf",
+            image,
+            "--json",
+            "--pixel-pitch",
+            "0.05",
+            "--at",
+            "2,5",
+        ];
+        let alone = fit(here, &words).done();
         let alone: serde_json::Value = serde_json::from_str(&alone).unwrap();
         for (name, held) in [
             ("mtf50_per_mm", &alone["mtf50_per_mm"]),
@@ -114,7 +122,6 @@ fn what_cannot_be_measured_leaves_files_alone() {
     fill(here);
     std::fs::create_dir(here.join("empty")).unwrap();
     std::fs::write(here.join("kept.csv"), "kept").unwrap();
-    let mut cases = 0;
     for (arguments, code, part) in [
         ("z.png", 1, "the edge is aligned with the pixel grid"),
         ("empty", 1, "empty: the folder holds no picture"),
@@ -135,9 +142,7 @@ fn what_cannot_be_measured_leaves_files_alone() {
             std::fs::read_to_string(here.join("kept.csv")).unwrap(),
             "kept"
         );
-        cases += 1;
     }
-    assert_eq!(cases, 7);
     assert!(!here.join("curve.bmp").exists());
 }
 

@@ -8,7 +8,6 @@ use tests::program::python;
 #[test]
 fn a_baked_table_opens_in_h5py_and_xarray() {
     let folder = tempfile::tempdir().unwrap();
-    let mut read = 0;
     for method in ["--method rays --rays 1048576", "--method exact"] {
         let table = bake_table_with(folder.path(), "triangular", "0,10,35", "0,30", method);
         let output = Command::new(python())
@@ -23,9 +22,7 @@ fn a_baked_table_opens_in_h5py_and_xarray() {
         );
         assert!(output.status.success(), "{method:?}: {out}{err}");
         assert_eq!(out.trim(), "read 6 directions twice", "{err}");
-        read += 1;
     }
-    assert_eq!(read, 2);
 }
 
 /// `paths_between` of `read_table.py` against the exact method at an incidence between two of the
@@ -35,7 +32,6 @@ fn a_baked_table_opens_in_h5py_and_xarray() {
 fn polygons_between_incidences_are_those_of_the_exact_method() {
     let folder = tempfile::tempdir().unwrap();
     let exact = "--method exact";
-    let mut compared = 0;
     for (design, around, between, azimuth, tolerance) in [
         ("triangular", "0,10", "6", "10", "1e-12"),
         ("triangular", "20,30", "26", "10", "1e-12"),
@@ -61,7 +57,5 @@ fn polygons_between_incidences_are_those_of_the_exact_method() {
             "{design} {around} {azimuth}: {err}"
         );
         std::fs::remove_file(folder.path().join(truth)).expect("removes");
-        compared += 1;
     }
-    assert_eq!(compared, 6);
 }
