@@ -105,21 +105,25 @@ test-full: test $(PARTS) test-lean test-mpi test-raw test-mitsuba test-materialx
 # With airr, whose macros want other features: nothing is compiled anew.
 test-statistics: rust tools
 	@echo "== stated errors over hundreds of drawn campaigns, and other long tests of fit" >&2
-	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored --skip trust_costs \
+	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored \
 		$(addprefix --skip ,$(SLOWEST))
 
 test-slowest: rust tools
-	@echo "== the slowest statistics of fit" >&2
+	@echo "== the slowest statistics of fit, its pages in a browser, and uneven cubes" >&2
 	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored $(SLOWEST)
+	@$(CARGO) build --workspace --locked
+	@$(CARGO) test -p tests --test all --locked -- --ignored explore:: deviations::
 SLOWEST = statistics_near_full_scale statistics_of_uneven_light statistics_of_bounds \
 	statistics_of_correlated_noise statistics_of_predictions statistics_of_mtf10_in_noise \
 	traced_photographs_give_their_corner_size
 
-# A hundred kills of every command that writes, at random times.
-test-kills: rust tools
-	@echo "== kills" >&2
+# A hundred kills of every command that writes, at random times; hostile files, and the largest ones
+# that are read.
+test-kills: rust tools python
+	@echo "== kills, hostile files and files at the limits" >&2
 	@$(CARGO) build --workspace --locked
-	@$(CARGO) test -p tests --test all --locked -- --ignored --nocapture hundred_kills
+	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test -p tests --test all --locked -- --ignored \
+		--nocapture kills:: hostile:: caps::
 
 test-mpi: rust tools
 	@command -v mpirun >/dev/null || { \

@@ -24,7 +24,7 @@ pub fn argument(parts: &str) -> String {
 /// The refractive index is 1.49, as in the campaigns (acrylic). All other options have the
 /// defaults of `bake trace`.
 pub fn bake_table(folder: &Path, design: &str, incidence: &str, azimuth: &str) -> String {
-    bake_table_with(folder, design, incidence, azimuth, &[])
+    bake_table_with(folder, design, incidence, azimuth, "")
 }
 
 /// Bakes a design as [`bake_table`] does, with further options of `bake trace`, and returns the
@@ -34,13 +34,13 @@ pub fn bake_table_with(
     design: &str,
     incidence: &str,
     azimuth: &str,
-    options: &[&str],
+    options: &str,
 ) -> String {
     let mesh = format!("{design}.obj");
     let table = format!("{design}-{azimuth}.h5");
-    bake(folder, &["design", design, "-o", &mesh]).done();
-    let directions = ["--incidence", incidence, "--azimuth", azimuth];
-    let files = ["trace", &mesh, "-o", &table, "--refractive-index", "1.49"];
-    bake(folder, &[&files[..], &directions, options].concat()).done();
+    bake(folder, &format!("design {design} -o {mesh}")).done();
+    let directions = format!("--incidence {incidence} --azimuth {azimuth}");
+    let files = format!("trace {mesh} -o {table} --refractive-index 1.49");
+    bake(folder, &format!("{files} {directions} {options}")).done();
     table
 }

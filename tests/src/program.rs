@@ -37,32 +37,64 @@ impl Run {
     }
 }
 
+/// A command line behind the name of its program: text, whose words lie between spaces, or a list
+/// of words, which may hold spaces.
+pub trait Line {
+    /// Returns the words.
+    fn words(&self) -> Vec<String>;
+}
+
+impl Line for str {
+    fn words(&self) -> Vec<String> {
+        self.split_whitespace().map(str::to_owned).collect()
+    }
+}
+
+impl Line for String {
+    fn words(&self) -> Vec<String> {
+        self.as_str().words()
+    }
+}
+
+impl<S: AsRef<str>> Line for [S] {
+    fn words(&self) -> Vec<String> {
+        self.iter().map(|word| word.as_ref().to_owned()).collect()
+    }
+}
+
+impl<S: AsRef<str>, const N: usize> Line for [S; N] {
+    fn words(&self) -> Vec<String> {
+        self.as_slice().words()
+    }
+}
+
+impl<S: AsRef<str>> Line for Vec<S> {
+    fn words(&self) -> Vec<String> {
+        self.as_slice().words()
+    }
+}
+
 /// Runs `bake` in `folder` until it ends.
-pub fn bake<S: AsRef<str>>(folder: &Path, arguments: &[S]) -> Run {
-    run("bake", folder, arguments)
+pub fn bake(folder: &Path, line: &(impl Line + ?Sized)) -> Run {
+    run("bake", folder, line)
 }
 
 /// Runs `fit` in `folder` until it ends.
-pub fn fit<S: AsRef<str>>(folder: &Path, arguments: &[S]) -> Run {
-    run("fit", folder, arguments)
+pub fn fit(folder: &Path, line: &(impl Line + ?Sized)) -> Run {
+    run("fit", folder, line)
 }
 
 /// Runs `bake` or `fit`, by name, in `folder` until it ends.
-pub fn run<S: AsRef<str>>(name: &str, folder: &Path, arguments: &[S]) -> Run {
-    run_by(&[], name, folder, arguments)
+pub fn run(name: &str, folder: &Path, line: &(impl Line + ?Sized)) -> Run {
+    run_by(&[], name, folder, line)
 }
 
 /// Runs `bake` or `fit` in `folder` through another program.
 ///
 /// `starter` is that program with its first arguments. It gets the command line of `bake` or `fit`
 /// as its last arguments. An empty `starter` means that no other program is used.
-pub fn run_by<S: AsRef<str>>(
-    starter: &[&OsStr],
-    name: &str,
-    folder: &Path,
-    arguments: &[S],
-) -> Run {
-    let arguments: Vec<&str> = arguments.iter().map(AsRef::as_ref).collect();
+pub fn run_by(starter: &[&OsStr], name: &str, folder: &Path, line: &(impl Line + ?Sized)) -> Run {
+    let arguments = line.words();
     let program = fresh(name);
     let words: Vec<&OsStr> = starter
         .iter()

@@ -108,8 +108,8 @@ Glass beads on a mirror:
     ///
     /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
     #[command(after_help = "\
-Example: up to 262,144 rays per direction, with the curves as a picture
-  bake study pair.obj --refractive-index 1.49 --azimuth 30 --rays 262144
+Example: up to 16,384 rays per direction, with the curves as a picture
+  bake study pair.obj --refractive-index 1.49 --azimuth 30 --rays 16384
       --plot study.svg")]
     Study(Box<study::StudyArgs>),
     /// Prints what a table contains, and draws it

@@ -193,15 +193,12 @@ mod tests {
     /// degrees of freedom, whose values have five digits.
     #[test]
     fn noise_makes_light_uneven_once_in_a_thousand_campaigns() {
-        let mut cases = 0;
         for (photographs, limit) in [(1, 20.515), (2, 29.588), (7, 66.619), (20, 149.449)] {
             for (factor, expected) in [(0.9999, false), (1.0001, true)] {
                 let falls = vec![factor * limit / photographs as f64; photographs];
                 assert_eq!(are_uneven(&falls), expected, "{photographs} photographs");
-                cases += 1;
             }
         }
-        assert_eq!(cases, 8);
         // One photograph in strong light is enough.
         assert!(are_uneven(&[400.0, 3.0, 5.0]));
     }

@@ -112,7 +112,6 @@ mod tests {
             cross: [1, 2].map(|power| n * mean(&|u, t| (t - along) * u.powi(power))),
             ..Bin::default()
         };
-        let mut cases = 0;
         for place in [0.0, 0.1, -0.07, 0.81] {
             for turn in [0.0, 0.02, -0.03] {
                 let found = Place::new(&bin, [place, turn]);
@@ -134,9 +133,7 @@ mod tests {
                 for (found, expected) in found.turned.into_iter().zip(expected) {
                     assert!((found - expected).abs() < 1e-14, "{place} {turn}: {found}");
                 }
-                cases += 1;
             }
         }
-        assert_eq!(cases, 12);
     }
 }

@@ -267,7 +267,6 @@ mod tests {
     fn statistics_of_bounds_of_drawn_campaigns() {
         const DRAWS: u64 = 320;
         let incidence = [0.0, 25.0];
-        let mut cases = 0;
         for (kind, loss, a, c) in [
             (ParameterKind::CornerSize, Kind::Mtf, 2.5, 0.072),
             (ParameterKind::APerMm, Kind::Edge, 220.0, 0.35),
@@ -307,8 +306,6 @@ mod tests {
                 (share - CONFIDENCE).abs() < 4.0 * scatter,
                 "{kind:?}: {share}"
             );
-            cases += 1;
         }
-        assert_eq!(cases, 2);
     }
 }

@@ -135,7 +135,6 @@ mod tests {
         let (a, b) = (30.0_f64.to_radians(), (0.5_f64 / 1.49).asin());
         let front = 0.5
             * (((a - b).sin() / (a + b).sin()).powi(2) + ((a - b).tan() / (a + b).tan()).powi(2));
-        let mut cases = 0;
         for (kernel, part, error) in [
             (Kernel::Eq1, 1.0, 0.03),
             (Kernel::Saito, (1.0 - front).powi(2), 0.03),
@@ -149,8 +148,6 @@ mod tests {
             );
             let relative = found.relative_error();
             assert!((relative - error).abs() < 1e-12, "{kernel:?}: {relative}");
-            cases += 1;
         }
-        assert_eq!(cases, 3);
     }
 }

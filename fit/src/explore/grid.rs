@@ -368,7 +368,6 @@ mod tests {
     /// Nothing is lost, whatever the values, also where differences leave 16 bits.
     #[test]
     fn differences_add_up_to_the_values() {
-        let mut cases = 0;
         for parts in [1, 2] {
             for (columns, rows) in [(1, 1), (2, 3), (7, 4), (40, 21)] {
                 let width = columns * parts;
@@ -377,11 +376,9 @@ mod tests {
                 for values in [jumps.collect::<Vec<_>>(), waves.collect()] {
                     let coded: Vec<u16> = differences(&values, width, parts).collect();
                     assert_eq!(added_up(&coded, width, parts), values);
-                    cases += 1;
                 }
             }
         }
-        assert_eq!(cases, 16);
     }
 
     /// Differences of values on a plane are 0.

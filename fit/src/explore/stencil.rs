@@ -179,7 +179,6 @@ mod tests {
     fn a_mixture_of_four_nodes_is_exact_for_cubics() {
         let nodes = Nodes::between([2.0, 12.0], 5, Ends::Open);
         let cubic = |x: f64| 0.5 * x.powi(3) - 3.0 * x * x + x - 7.0;
-        let mut cases = 0;
         for k in 0..=100 {
             let x = 2.0 + 0.1 * f64::from(k);
             let mixed: f64 = nodes
@@ -188,9 +187,7 @@ mod tests {
                 .map(|share| share.weight * cubic(nodes.place(share.node)))
                 .sum();
             assert!((mixed - cubic(x)).abs() < 1e-11, "{x}: {mixed}");
-            cases += 1;
         }
-        assert_eq!(cases, 101);
         assert_eq!(Nodes::one(3.0).mixture(3.0).len(), 1);
     }
 
@@ -198,7 +195,6 @@ mod tests {
     #[test]
     fn a_mixture_of_six_nodes_is_exact_for_fifth_powers() {
         let nodes = Nodes::between([0.0, 1.0], 7, Ends::Open).mixing(6);
-        let mut cases = 0;
         for k in 0..=100 {
             let x = 0.01 * f64::from(k);
             let shares = nodes.mixture(x);
@@ -207,9 +203,7 @@ mod tests {
                 .map(|share| share.weight * nodes.place(share.node).powi(5))
                 .sum();
             assert!((mixed - x.powi(5)).abs() < 1e-11, "{x}: {mixed}");
-            cases += 1;
         }
-        assert_eq!(cases, 101);
     }
 
     /// An even function with mirrors has the same value at the place that stands for another. An

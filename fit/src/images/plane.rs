@@ -233,7 +233,6 @@ mod tests {
         let (c, cosine) = (0.24, 25.0_f64.to_radians().cos());
         let plane = ShiftPlane::new(&direction, cosine, c, 12.0);
         let mut worst: f64 = 0.0;
-        let mut cases = 0;
         for i in 0..400 {
             let angle = f64::from(i) * 2.399_963;
             let f = 12.0 * f64::from(i) / 400.0;
@@ -241,12 +240,10 @@ mod tests {
             let along = [frequency[0] * c * cosine, frequency[1] * c];
             let expected = direction.otf_of_bins_along(along, &[1.0]).0[0];
             worst = worst.max((plane.otf(frequency) - expected).norm());
-            cases += 1;
         }
         // The error is 4.7e-6 along each axis. The absolute weights of the other axis sum to at
         // most 1.6.
         assert!(worst < 2.0 * 4.7e-6 * 1.6, "{worst}");
-        assert_eq!(cases, 400);
         assert_eq!(plane.otf([40.0, 0.0]), Complex64::ZERO);
         let corner = (2.0 * c * cosine).hypot(2.0 * c);
         assert!((plane.reach_mm() - corner).abs() < 1e-12);

@@ -91,7 +91,6 @@ mod tests {
         };
         let (found, width) = (Deviations::new(grid, 1), grid.bin_width());
         let bins = ExitBins(&found);
-        let mut cases = 0;
         for s_mm in [0.1, 0.5, 2.0] {
             let blur = |f: f64| (-2.0 * (PI * s_mm * f).powi(2)).exp();
             let mtf = |r_mm: f64, f: f64| blur(f) * sinc(PI * f * r_mm * width);
@@ -118,9 +117,7 @@ mod tests {
                     let off = from.expect("a number") / first_mm - 1.0;
                     assert!(off.abs() < 0.03, "{off}");
                 }
-                cases += 1;
             }
         }
-        assert_eq!(cases, 12);
     }
 }

@@ -191,7 +191,6 @@ mod tests {
                 .sum::<f64>()
         };
         let norm = brute(0.0);
-        let mut cases = 0;
         for k in [
             0.0, 0.013, 0.5, 1.0, 1.99, 2.0, 3.7, 9.99, 19.995, 20.01, 25.0, 60.0, 125.0,
         ] {
@@ -214,14 +213,11 @@ mod tests {
                     "k {k}: {slope} {difference}"
                 );
             }
-            cases += 1;
         }
-        assert_eq!(cases, 13);
     }
 
     #[test]
     fn separable_is_the_product_of_triangles_and_both_shapes_differentiate() {
-        let mut cases = 0;
         for shape in [LobeShape::Radial, LobeShape::Separable] {
             for f in [0.05, 0.3, 0.9, 1.2] {
                 for angle in [0.0_f64, 0.1, 0.6, 1.5] {
@@ -235,11 +231,9 @@ mod tests {
                         "{shape:?} {f} {angle}: {slope} {difference}"
                     );
                     assert!(value <= 1.0 && value > -0.05);
-                    cases += 1;
                 }
             }
         }
-        assert_eq!(cases, 32);
         let (value, _) = LobeShape::Separable.otf(4.2, 0.5, [0.6, 0.8]);
         assert!((value - (1.0 - PI * 0.3 / 4.2) * (1.0 - PI * 0.4 / 4.2)).abs() < 1e-15);
     }

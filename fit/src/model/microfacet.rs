@@ -121,7 +121,6 @@ mod tests {
 
     #[test]
     fn transforms_are_those_of_the_densities_which_hold_all_light() {
-        let mut cases = 0;
         for k in [0.0, 0.01, 0.3, 1.0, 1.99, 2.01, 3.5, 6.0] {
             // Beyond z = 4000 GGX holds 1/4000^2 = 6e-8 of the light. Below z = 1e-5 both densities
             // hold 1e-10. Abramowitz and Stegun state 2e-7.
@@ -129,9 +128,7 @@ mod tests {
             let heavy = hankel(|z| (1.0 + z * z).powi(-2) / PI, k);
             assert!((beckmann(k).0 - gaussian).abs() < 1e-8, "beckmann {k}");
             assert!((ggx(k).0 - heavy).abs() < 3e-7, "ggx {k}: {heavy}");
-            cases += 1;
         }
-        assert_eq!(cases, 8);
     }
 
     #[test]
@@ -146,7 +143,6 @@ mod tests {
             };
             0.5 * term(0) + (1..400).map(term).sum::<f64>()
         };
-        let mut cases = 0;
         for k in [1e-4, 0.02, 0.5, 1.3, 1.999, 2.001, 4.0, 9.0, 30.0] {
             let (value, slope) = ggx(k);
             // By 9.8.7 the error of k K1 is below 8e-9 for k < 2, and below 2.2e-7 / sqrt(k) e^-k k
@@ -164,8 +160,6 @@ mod tests {
             );
             let difference = (beckmann(k + d).0 - beckmann(k - d).0) / (2.0 * d);
             assert!((beckmann(k).1 - difference).abs() < d * d + 1e-15 / d);
-            cases += 1;
         }
-        assert_eq!(cases, 9);
     }
 }

@@ -61,7 +61,6 @@ mod tests {
     #[test]
     fn chances_of_a_whole_campaign_agree_with_wilson_and_hilferty() {
         let n = 57_000_usize;
-        let mut cases = 0;
         for reduced in [0.98, 0.999, 1.0, 1.01, 1.02, 1.03] {
             let freedom = n as f64;
             let part = 2.0 / (9.0 * freedom);
@@ -70,9 +69,7 @@ mod tests {
             let found = of_squares(reduced * freedom, n);
             println!("{reduced}: {found:e} {expected:e}");
             assert!((found / expected - 1.0).abs() < 0.01, "{reduced}");
-            cases += 1;
         }
-        assert_eq!(cases, 6);
         assert_eq!(of_squares(2.0 * n as f64, n), 0.0);
     }
 

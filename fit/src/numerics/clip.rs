@@ -98,7 +98,6 @@ mod tests {
             full: Some(1.0),
         };
         let (sigma, step) = (0.05, 1e-3);
-        let mut cases = 0;
         for mean in [-0.02, 0.0, 0.03, 0.5, 0.93, 0.99, 1.0, 1.02] {
             let (mut sum, mut square) = (0.0, 0.0);
             for i in -10_000..=10_000 {
@@ -114,9 +113,7 @@ mod tests {
             let h = 1e-5;
             let [low, high] = [mean - h, mean + h].map(|mean| cut.clipped(mean, sigma).0);
             assert!((slope - (high - low) / (2.0 * h)).abs() < 1e-6, "{mean}");
-            cases += 1;
         }
-        assert_eq!(cases, 8);
         // Both limits are alike: the information at full scale is that at 0.
         let mirrored = (cut.information(0.99, sigma), cut.information(0.01, sigma));
         assert!((mirrored.0 - mirrored.1).abs() < 1e-12, "{mirrored:?}");
@@ -148,7 +145,6 @@ mod tests {
     /// error is below rounding for a smooth integrand, and step^2 / 8 = 1.3e-7 at the kink.
     #[test]
     fn moments_meet_quadrature() {
-        let mut cases = 0;
         for (mean, sigma) in [(-1.0, 0.7), (0.0, 1.0), (0.4, 0.5), (2.0, 1.0), (9.0, 1.0)] {
             let step = 1e-3;
             let (mut sum, mut square, mut score) = (0.0, 0.0, 0.0);
@@ -185,8 +181,6 @@ mod tests {
                 (found - score).abs() < 1e-3,
                 "{mean} {sigma}: {found} {score}"
             );
-            cases += 1;
         }
-        assert_eq!(cases, 5);
     }
 }

@@ -170,7 +170,6 @@ mod tests {
     /// A sum of squares that is no number, or beyond all numbers, does not become 0.
     #[test]
     fn a_factor_of_no_number_is_no_number() {
-        let mut cases = 0;
         for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for at in 0..3 {
                 let mut normal = DMatrix::from_diagonal_element(3, 3, 4.0);
@@ -181,10 +180,8 @@ mod tests {
                 normal[(at, at)] = 4.0;
                 normal[(0, 2)] = wrong;
                 assert!(of(normal)[(2, 2)].is_nan(), "{wrong} beside the diagonal");
-                cases += 1;
             }
         }
-        assert_eq!(cases, 9);
     }
 
     /// Checks the products of small integers, which are exact, for every number of rows that is

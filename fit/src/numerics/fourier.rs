@@ -65,16 +65,13 @@ mod tests {
 
     #[test]
     fn fast_lengths_are_smooth_and_near() {
-        let mut cases = 0;
         for least in 100..5000 {
             let found = fast_length(least);
             assert!(
                 found >= least && found as f64 <= 1.11 * least as f64,
                 "{least}: {found}"
             );
-            cases += 1;
         }
-        assert_eq!(cases, 4900);
         assert_eq!(
             [fast_length(1), fast_length(7), fast_length(1101)],
             [1, 8, 1125]

@@ -237,20 +237,16 @@ mod tests {
 
     #[test]
     fn the_pair_is_the_mean_of_its_cubes() {
-        let mut cases = 0;
         for theta in [0.0, 12.0, 31.0, 44.0] {
             for phi in [0.0, 17.0, 30.0] {
                 let mean = 0.5 * (eta(theta, phi, false) + eta(theta, phi + 180.0, false));
                 assert!((eta(theta, phi, true) - mean).abs() < 1e-15);
-                cases += 1;
             }
         }
-        assert_eq!(cases, 12);
     }
 
     #[test]
     fn marginals_have_the_moments_of_the_polygon() {
-        let mut cases = 0;
         for (theta, phi) in [(0.0_f64, 0.0_f64), (20.0, 13.0), (33.0, 60.0)] {
             let cube = &shifts(theta.to_radians(), phi.to_radians(), 1.0, false)[0];
             for angle in [0.0_f64, 5.0, 30.0, 90.0, 97.0] {
@@ -295,9 +291,7 @@ mod tests {
                     (found - variance).abs() < step * step,
                     "({theta}, {phi}) at {angle}: {found} {variance}"
                 );
-                cases += 1;
             }
         }
-        assert_eq!(cases, 15);
     }
 }

@@ -287,7 +287,6 @@ mod tests {
 
     #[test]
     fn halving_the_step_changes_less_than_a_millionth() {
-        let mut cases = 0;
         let mut largest: f64 = 0.0;
         let spreads = [
             Spread::None,
@@ -310,17 +309,14 @@ mod tests {
                     let s = f64::from(k) * 0.00391;
                     largest = largest.max((coarse.at(s) - fine.at(s)).abs());
                 }
-                cases += 1;
             }
         }
-        assert_eq!(cases, 20);
         println!("largest change {largest:.2e}");
         assert!(largest < 1e-6, "{largest:e}");
     }
 
     #[test]
     fn profiles_run_from_dark_to_bright() {
-        let mut cases = 0;
         for spread in [Spread::None, Spread::Radial { a_per_mm: 4.9 }] {
             let profile = EdgeProfile::new(&blur(spread, 20.0, 12.0, 0.55), 8.0, STEPS_PER_PIXEL);
             assert!(profile.at(-8.0).abs() < 1e-12 && (profile.at(8.0) - 1.0).abs() < 1e-12);
@@ -332,7 +328,6 @@ mod tests {
                 assert!(value >= last - 1e-9, "falls at {k}");
                 last = value;
             }
-            cases += 1;
         }
         // The light of the separable lobe has not all arrived at 8 mm: both axes leave a tail 1/(2
         // pi a s) times their cosines.
@@ -349,7 +344,6 @@ mod tests {
             "{}",
             1.0 - profile.at(8.0)
         );
-        assert_eq!(cases, 2);
     }
 
     #[test]

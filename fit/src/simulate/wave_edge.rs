@@ -171,7 +171,6 @@ mod tests {
     /// Parseval.
     #[test]
     fn all_light_arrives_but_the_tail() {
-        let mut cases = 0;
         for (incidence_deg, normal_deg) in [(0.0_f64, 5.0_f64), (20.0, 33.0), (40.0, 97.0)] {
             let cubes = shifts(incidence_deg.to_radians(), 0.5, 1.49, true);
             let along = [normal_deg.to_radians().cos(), normal_deg.to_radians().sin()];
@@ -202,8 +201,6 @@ mod tests {
                 edge.windows(2).all(|pair| pair[1] >= pair[0]),
                 "light is positive"
             );
-            cases += 1;
         }
-        assert_eq!(cases, 3);
     }
 }

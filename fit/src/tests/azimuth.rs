@@ -139,7 +139,6 @@ fn an_azimuth_without_the_view_is_warned_of() {
     let incidence = [20.0, 40.0];
     let truth = truth(Kernel::Shift, LobeShape::Radial, 1.0, 0.31, 0.6);
     let table = all_azimuths(&truth, &incidence);
-    let mut cases = 0;
     for (planted, said, warned) in [
         (13.0, None, true),
         (13.0, Some(true), false),
@@ -172,7 +171,5 @@ fn an_azimuth_without_the_view_is_warned_of() {
         let trusts = |given| found.trusted.iter().any(|entry| entry.what == given);
         // An azimuth that is estimated is not taken on trust.
         assert!(!trusts(Given::AzimuthDeg) && trusts(Given::IncidenceDeg));
-        cases += 1;
     }
-    assert_eq!(cases, 3);
 }

@@ -233,7 +233,6 @@ fn equal_shares_of_three_facets_are_as_good_as_stated() {
 /// refractions. At normal incidence it is the lobe of two rough refractions of Saito's front.
 #[test]
 fn guo_is_its_jacobians_and_at_normal_incidence_two_refractions() {
-    let mut cases = 0;
     for theta in [0.0_f64, 20.0, 45.0, 60.0] {
         let i = theta.to_radians().cos();
         let t = (1.0 - (theta.to_radians().sin() / INDEX).powi(2)).sqrt();
@@ -249,7 +248,6 @@ fn guo_is_its_jacobians_and_at_normal_incidence_two_refractions() {
             let k = TAU * f * alpha_o * r_mm;
             let value = model.otf(LobeShape::Beckmann, blur, r_mm, f)[0].re;
             assert!((value - (-0.25 * k * k).exp()).abs() < 1e-14);
-            cases += 1;
         }
     }
     let guo = Baseline::new(Kernel::Guo, 0.0, INDEX, [1.0, 0.0]).expect("it is");
@@ -273,7 +271,6 @@ fn guo_is_its_jacobians_and_at_normal_incidence_two_refractions() {
         0.9,
     )[0];
     assert!((front - own).norm() < 1e-14 && own.re < 0.9);
-    assert_eq!(cases, 8);
 }
 
 #[test]
@@ -331,7 +328,6 @@ fn light_is_the_effective_area_and_fresnel() {
     let across = (INDEX * INDEX - 1.0) / (INDEX * INDEX + 1.0);
     assert!((fresnel(INDEX.atan(), INDEX) - 0.5 * across * across).abs() < 1e-15);
     assert!((fresnel(0.5 * PI, INDEX) - 1.0).abs() < 1e-12);
-    let mut cases = 0;
     let truth = planted::truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.2, 0.5);
     for theta in [0.0, 15.0, 30.0, 45.0] {
         let table = planted::table(&truth, &[theta], 20.0);
@@ -366,9 +362,7 @@ fn light_is_the_effective_area_and_fresnel() {
             let light = returned(kernel, eta, theta.to_radians(), truth.refractive_index);
             assert!((light - effective * passed).abs() < 1e-12);
         }
-        cases += 1;
     }
-    assert_eq!(cases, 4);
 }
 
 /// A photographed sheet that one baseline describes. Edges are in closed form (a Gaussian, or

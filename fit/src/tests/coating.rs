@@ -127,7 +127,6 @@ fn seen_in_the_face(place: [f64; 2], scene: Scene) -> ([f64; 2], f64) {
 /// light differ.
 #[test]
 fn the_mirrored_picture_is_where_a_mirror_shows_it_and_as_bright() {
-    let mut cases = 0;
     // The camera is on no pixel's perpendicular, where the ratios of sines are 0/0.
     let before = [3.1, 2.2, 600.0];
     for (scene, about) in [
@@ -179,7 +178,6 @@ fn the_mirrored_picture_is_where_a_mirror_shows_it_and_as_bright() {
             for k in [0, 1] {
                 assert!((found[k] - centre[k]).abs() < 5e-3, "{found:?} {centre:?}");
             }
-            cases += 1;
         }
         // Without a coating the face mirrors nothing.
         let bare = viewed(
@@ -193,5 +191,4 @@ fn the_mirrored_picture_is_where_a_mirror_shows_it_and_as_bright() {
         .expect("seen");
         assert!(bare.0.planes[0].iter().all(|&value| value == 0.0));
     }
-    assert_eq!(cases, 10);
 }

@@ -79,7 +79,6 @@ fn drawn(seed: u64, filter: Filter) -> (Scene, [f64; 3]) {
 /// too low at most: the light's profile takes one number of each bin of 60 pixels and more.
 #[test]
 fn correlated_noise_counts_by_its_autocorrelation() {
-    let mut cases = 0;
     for filter in [WHITE, PAIRS, SMOOTH, BLOCKS] {
         let squares: f64 = filter.iter().map(|w| w * w).sum();
         let expected = 1.0 / (squares * squares);
@@ -106,9 +105,7 @@ fn correlated_noise_counts_by_its_autocorrelation() {
                 "{mean} {expected}"
             );
         }
-        cases += 1;
     }
-    assert_eq!(cases, 4);
 }
 
 /// Checks that standard errors hold where neighbours share their noise. Without the factor the
@@ -126,7 +123,6 @@ fn statistics_of_correlated_noise() {
             (is_corrected(&scene), pulls)
         })
         .collect();
-    let mut figures = 0;
     for (k, loss) in losses.iter().enumerate() {
         for (i, parameter) in ["c", "a", "mu"].into_iter().enumerate() {
             // The mu of the MTFs is wrong where even light was taken for uneven.
@@ -135,11 +131,9 @@ fn statistics_of_correlated_noise() {
                 .filter(|(corrected, _)| !corrected || (k, i) != (0, 2));
             let pulls: Vec<f64> = counted.map(|(_, draw)| draw[k][i]).collect();
             check(&format!("{loss:?} {parameter}"), &pulls, 0.1);
-            figures += 1;
         }
     }
     let corrected = draws.iter().filter(|(corrected, _)| *corrected).count();
     println!("light corrected in {corrected} of {DRAWS} campaigns");
     assert!(corrected < 5, "{corrected}");
-    assert_eq!(figures, 6);
 }

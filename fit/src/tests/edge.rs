@@ -50,7 +50,6 @@ fn source(normal_deg: f64, offset_px: f64) -> Photo {
 /// fall on few phases.
 #[test]
 fn known_edges_of_all_directions() {
-    let mut cases = 0;
     let (mut worst, mut worst_angle) = (0.0_f64, 0.0_f64);
     for quarter in [0.0, 90.0, 180.0, -90.0] {
         for tilt in [
@@ -76,10 +75,8 @@ fn known_edges_of_all_directions() {
             for (f, measured) in frequencies.iter().zip(&mtf.modulus[1..]) {
                 worst = worst.max((measured - known.otf(*f, normal_deg.to_radians()).abs()).abs());
             }
-            cases += 1;
         }
     }
-    assert_eq!(cases, 48);
     println!("largest MTF error {worst:.5}, largest angle error {worst_angle:.1e} deg");
     assert!(worst < 0.002, "largest MTF error {worst}");
     assert!(worst_angle < 1e-3, "largest angle error {worst_angle} deg");
@@ -88,7 +85,6 @@ fn known_edges_of_all_directions() {
 /// Angles whose tangent is a simple fraction give an MTF too, with a warning if bins stay empty.
 #[test]
 fn simple_fractions_are_bridged() {
-    let mut cases = 0;
     for tangent in [0.25_f64, 0.5, 1.0] {
         let photo = source(tangent.atan().to_degrees(), 0.0);
         let window = Window::of(&photo, None).expect("the whole picture");
@@ -100,9 +96,7 @@ fn simple_fractions_are_bridged() {
         );
         let mtf = Estimator::new(&profile, 1.0, 16, 1).measure(&profile);
         assert!(mtf.modulus[1].is_finite() && mtf.modulus[1] < 1.0);
-        cases += 1;
     }
-    assert_eq!(cases, 3);
 }
 
 /// An edge whose blur fades out within the window causes no warning. An edge that the window cuts
@@ -113,7 +107,6 @@ fn simple_fractions_are_bridged() {
 /// warning is 2 %.
 #[test]
 fn a_blur_wider_than_the_window_is_noticed() {
-    let mut cases = 0;
     for (a, cut) in [
         (4.0, false),
         (1.5, false),
@@ -139,10 +132,8 @@ fn a_blur_wider_than_the_window_is_noticed() {
                 .iter()
                 .any(|w| w.contains("does not fade out"));
             assert_eq!(warned, cut, "a {a}: {rise}");
-            cases += 1;
         }
     }
-    assert_eq!(cases, 10);
 }
 
 /// Pictures that do not hold exactly one edge are refused, each with its own fault. None causes a

@@ -304,7 +304,6 @@ fn degenerate_campaigns() {
 /// the model does not depend on a small c.
 #[test]
 fn starting_values_reach_every_c() {
-    let mut cases = 0;
     for (a, c) in [
         (2.28, 0.45),
         (2.24, 0.276),
@@ -337,9 +336,7 @@ fn starting_values_reach_every_c() {
             ((found.value - c) / found.standard_error).abs() < 4.5,
             "a {a} c {c}: {found:?}"
         );
-        cases += 1;
     }
-    assert_eq!(cases, 6);
 }
 
 /// The loss `mse` is the mean square of the MTF differences that a result states. Its sum is

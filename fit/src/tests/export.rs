@@ -58,16 +58,13 @@ fn a_lobe_is_its_own_nearest() {
         &table,
         json!({ "kernel": "mrm", "lobe": "ggx", "roughness": 7e-4 }),
     );
-    let mut cases = 0;
     for (distance, incidence) in [(150.0, 0.0), (300.0, 30.0), (600.0, 30.0)] {
         let lobe = at(&own, &table, distance, incidence);
         // Golden sections end at 1e-6 of the logarithm. A sum of squares is flat up to the root of
         // the rounding (1e-16).
         assert!((lobe.alpha / 7e-4 - 1.0).abs() < 1e-5, "{lobe:?}");
         assert!(lobe.rms < 1e-5 && (lobe.reflectance - 0.5).abs() < 1e-12);
-        cases += 1;
     }
-    assert_eq!(cases, 3);
 }
 
 /// If a roughness is only bounded from above, the other roughness alone makes the lobe.

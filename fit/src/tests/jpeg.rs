@@ -57,7 +57,6 @@ fn whole_files_are_read_alike_with_anything_behind_their_end() {
     let bench = Bench::new();
     let sequential = bench.read(&kept(FILES[0])).expect("it is whole");
     assert_eq!((sequential.width, sequential.height), (83, 61));
-    let mut count = 0;
     for name in FILES {
         let whole = kept(name);
         let behind = [&whole[..], b"a preview", &whole].concat();
@@ -68,10 +67,8 @@ fn whole_files_are_read_alike_with_anything_behind_their_end() {
             let photo = bench.read(&bytes).expect(name);
             assert_eq!(photo.luminance, sequential.luminance, "{name}");
             assert_eq!(photo.warnings.len(), 1, "{:?}", photo.warnings);
-            count += 1;
         }
     }
-    assert_eq!(count, 12);
 }
 
 /// A file that ends early is refused, also if the marker of the end, or the rest of a thumbnail's
@@ -164,7 +161,6 @@ fn missing_pieces_are_noticed() {
 #[test]
 fn data_behind_the_last_block_are_warned_of() {
     let bench = Bench::new();
-    let mut count = 0;
     for name in FILES {
         let whole = kept(name);
         let end = whole.len() - 2;
@@ -172,9 +168,7 @@ fn data_behind_the_last_block_are_warned_of() {
         let photo = bench.read(&more).expect("all blocks are there");
         let said = "4 bytes of its data lie behind the last pixels";
         assert!(photo.warnings[0].contains(said), "{:?}", photo.warnings);
-        count += 1;
     }
-    assert_eq!(count, 4);
 }
 
 /// A region counts in the picture as shown: the stored picture has 83 x 61 pixels, and its Exif

@@ -256,7 +256,6 @@ fn spread(values: &[f64]) -> [f64; 3] {
 #[ignore = "10 processor-seconds: `make test-full` runs it"]
 fn statistics_of_known_edges() {
     const DRAWS: u64 = 200;
-    let mut figures = 0;
     for ratio in [f64::INFINITY, 57.0, 20.0] {
         let draws = measured(DRAWS, ratio);
         for (i, what) in ["MTF50", "MTF10", "MTF at MTF50"].into_iter().enumerate() {
@@ -310,10 +309,8 @@ fn statistics_of_known_edges() {
                 }
                 assert!(deviation < 0.01, "{deviation}");
             }
-            figures += 1;
         }
     }
-    assert_eq!(figures, 9);
 }
 
 /// The standard errors of MTF10 hold where noise reaches it: in 1,500 random edges at a
@@ -344,7 +341,6 @@ fn statistics_of_mtf10_in_noise() {
 /// aligned edge loses a sixth.
 #[test]
 fn an_edge_must_cross_a_pixel() {
-    let mut cases = 0;
     for (tilt_deg, refused, warned) in [
         (0.0, true, false),
         (0.2, true, false),
@@ -382,10 +378,8 @@ fn an_edge_must_cross_a_pixel() {
             let error = found.expect("it falls").value / known.crossing(0.5) - 1.0;
             assert!(refused || error.abs() < 4e-4, "{normal_deg}: {error}");
             assert!(tilt_deg > 0.0 || error < -0.1, "{normal_deg}: {error}");
-            cases += 1;
         }
     }
-    assert_eq!(cases, 32);
 }
 
 /// MTF50 where the tangent of the tilt is 1/4: the errors without noise stay below the limit that

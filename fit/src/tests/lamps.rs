@@ -176,15 +176,12 @@ fn step(photo: &Photo, blur_px: f64, order: usize, by_px: f64) -> [f64; 2] {
 #[test]
 fn a_wrong_curve_does_not_move_the_step_in_uneven_light() {
     let picture = with_noise(vignetted(WIDE_PX), 5, 0.002);
-    let mut cases = 0;
     for order in [2, 3, 4] {
         let [right, error] = step(&picture, WIDE_PX, order, 0.0);
         let off = (step(&picture, WIDE_PX, order, 0.3)[0] - right) / error;
         println!("order {order}: {off:.3} of {error:.1e}");
         assert!(off.abs() < 0.1, "{order}: {off}");
-        cases += 1;
     }
-    assert_eq!(cases, 3);
 }
 
 /// What the pixels do not tell keeps the mean and the deviation that it has before. A number that
@@ -262,16 +259,13 @@ fn what_the_pixels_do_not_tell_keeps_its_range() {
 #[test]
 fn high_orders_of_a_curve_do_not_run_away_in_little_light() {
     const BLUR_PX: f64 = 1.5;
-    let mut cases = 0;
     for seed in 0..8 {
         let picture = with_noise(vignetted(BLUR_PX), seed, 0.06);
         let [low, error] = step(&picture, BLUR_PX, 2, 0.0);
         let off = (step(&picture, BLUR_PX, ORDERS, 0.0)[0] - low) / error;
         println!("seed {seed}: {off:.3} of {error:.1e}");
         assert!(off.abs() < 1.0, "{seed}: {off}");
-        cases += 1;
     }
-    assert_eq!(cases, 8);
 }
 
 /// The errors of a blur stay true in uneven light, whether a lamp or the camera makes it. The hot
@@ -280,14 +274,11 @@ fn high_orders_of_a_curve_do_not_run_away_in_little_light() {
 #[ignore = "minutes: `make test-full` runs it"]
 fn statistics_of_lamps_and_cameras() {
     const DRAWS: u64 = 120;
-    let mut figures = 0;
     for (name, of_lamp) in [("lamp", true), ("camera", false)] {
         let pulls: Vec<f64> = (0..DRAWS)
             .into_par_iter()
             .map(|seed| pull(&lit(seed, of_lamp)))
             .collect();
         check(name, &pulls, 0.1);
-        figures += 1;
     }
-    assert_eq!(figures, 2);
 }

@@ -3,7 +3,6 @@
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 
 mod azimuth;
-mod bad_inputs;
 mod baselines;
 mod by_hand;
 mod campaign;

@@ -75,7 +75,6 @@ fn nuisance_derivatives_match_differences() {
         .chain([1e-4; 10])
         .chain([1e-3; 3])
         .chain([1e-4, 1e-3, 1e-4]);
-    let mut cases = 0;
     for (column, h) in steps.enumerate() {
         let moved = |h: f64| {
             let mut at = at;
@@ -96,9 +95,7 @@ fn nuisance_derivatives_match_differences() {
         let error = (here.column(column) - &difference).norm() / difference.norm();
         println!("nuisance {column}: {error:.1e}");
         assert!(error < 1e-3, "nuisance {column}: {error:.1e}");
-        cases += 1;
     }
-    assert_eq!(cases, 19);
 }
 
 /// Checks the noise of pixels whose scatter is made: in a bin of n pixels, n - 2 times the same
@@ -113,7 +110,6 @@ fn noise_is_the_scatter_over_the_degrees_of_freedom() {
         &params(6, planted, &[20.0], &[150.0], camera(40_000.0)),
         &table,
     );
-    let mut cases = 0;
     for v in [1e-6, 4e-4] {
         let mut pixels = (*scene.shots[0].pixels).clone();
         pixels.cut = Cut::default();
@@ -127,10 +123,8 @@ fn noise_is_the_scatter_over_the_degrees_of_freedom() {
         for light in [0.0, 0.1, 0.5] {
             let found = photograph.noise.variance(light);
             assert!((found / v - 1.0).abs() < 1e-9, "{light}: {found} {v}");
-            cases += 1;
         }
     }
-    assert_eq!(cases, 6);
 }
 
 /// The gradient of the sum of squares, with the nuisances at their optimum, is 2 J^T r. Central

@@ -71,7 +71,6 @@ fn a_scene_placed_otherwise_is_the_scene_taken_so() {
     let planted = planted();
     let stated = trial::campaign(&planted, &[]);
     let scene = taken(&planted, &stated, &table);
-    let mut cases = 0;
     // Incidence, azimuth, distance, exposure, tangential axis, mirror.
     let otherwise = [
         (
@@ -150,9 +149,7 @@ fn a_scene_placed_otherwise_is_the_scene_taken_so() {
         let own: Vec<Placed> = scene.shots.iter().map(Aerial::placed).collect();
         let back = found.placed(&table, None, &own).unwrap();
         assert_eq!(apart(&back, &scene), 0.0, "{name}");
-        cases += 1;
     }
-    assert_eq!(cases, 7);
 }
 
 /// A table of one index stands for another: eta and OTF are those of a table made with it. The

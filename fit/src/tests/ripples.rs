@@ -13,7 +13,6 @@ fn rise(s: f64) -> f64 {
 /// steepnesses differ by less than a factor of 2. Otherwise the steeper of them is a second edge.
 #[test]
 fn a_ripple_alike_on_both_sides_is_no_second_edge() {
-    let mut cases = 0;
     for ([left, right], [before, beyond], is_ripple) in [
         ([0.4, 0.4], [6.0, 6.0], true),
         ([0.4, 0.3], [6.0, 7.0], true),
@@ -31,7 +30,5 @@ fn a_ripple_alike_on_both_sides_is_no_second_edge() {
         let doubled = matches!(found, Err(Fault::Doubled { .. }));
         assert_eq!(doubled, !is_ripple, "{left} {right} {before} {beyond}");
         assert!(doubled || found.is_ok(), "{:?}", found.err());
-        cases += 1;
     }
-    assert_eq!(cases, 6);
 }

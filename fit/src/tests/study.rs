@@ -195,7 +195,6 @@ fn ranges_are_read() {
         Ranges::default()
     );
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut cases = 0;
     for (text, said) in [
         (
             "ior = 1.5\nc_mm = { from = 0.5, to = 0.05 }\n",
@@ -221,7 +220,5 @@ fn ranges_are_read() {
         std::fs::write(&file, text).expect("the folder takes files");
         let error = Ranges::load(&file).expect_err(text).to_string();
         assert!(error.contains(said), "{error}");
-        cases += 1;
     }
-    assert_eq!(cases, 10);
 }

@@ -135,7 +135,6 @@ fn suspects_are_reported_and_can_be_cancelled() {
         capture.tangential_axis_deg = 90.0;
     }
     let photographs = source_of(&shots, photograph::saved);
-    let mut cases = 0;
     for cancels in [false, true] {
         let (cancel, told) = (AtomicBool::new(false), Mutex::new(Vec::new()));
         let progress = |step: Step| {
@@ -161,9 +160,7 @@ fn suspects_are_reported_and_can_be_cancelled() {
             let done: Vec<usize> = told.iter().map(|&(done, _)| done).collect();
             assert_eq!(done, (1..=of).collect::<Vec<_>>());
         }
-        cases += 1;
     }
-    assert_eq!(cases, 2);
 }
 
 #[test]
@@ -191,7 +188,6 @@ fn one_wrong_incidence_is_named() {
 fn a_wrong_exposure_is_named_and_raises_mu_alone() {
     let (sheet, shots) = planted();
     let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);
-    let mut cases = 0;
     for kind in [Kind::Mtf, Kind::Edge] {
         let options = Options {
             loss: Some(kind),
@@ -231,9 +227,7 @@ fn a_wrong_exposure_is_named_and_raises_mu_alone() {
         assert_eq!(suspect.degrees_of_freedom_if_so, left.freedom);
         let off = suspect.chi2_if_so / left.squares() - 1.0;
         assert!(off.abs() < 1e-9, "{off}");
-        cases += 1;
     }
-    assert_eq!(cases, 2);
 }
 
 /// A lobe alone does not tell the incidences apart, but mu does: with two of them exchanged, the mu
@@ -389,7 +383,6 @@ fn exchanged_photographs_are_named() {
         kernels: vec![Kernel::Angular],
         ..Candidates::proposed()
     });
-    let mut cases = 0;
     for (what, both, others) in [
         ("floating distances of", false, 1),
         ("photographs", true, 3),
@@ -415,9 +408,7 @@ fn exchanged_photographs_are_named() {
         assert!(named.ends_with("are exchanged"), "{named}");
         let said = wrong.warnings.iter();
         assert!(said.clone().any(|own| own.contains("It would fit if the")));
-        cases += 1;
     }
-    assert_eq!(cases, 2);
 }
 
 /// A suspect that leaves far more than noise does not make the photographs fit, and the warning
@@ -527,7 +518,6 @@ fn srgb_in_16_bits_taken_for_linear_is_named() {
         picture.unwrap().save(&path).unwrap();
         path
     };
-    let mut cases = 0;
     for to in [Transfer::Linear, Transfer::Srgb] {
         let mut manifest = manifest_of(&shots, &[]);
         let captures = manifest
@@ -547,7 +537,5 @@ fn srgb_in_16_bits_taken_for_linear_is_named() {
             let expected = "the values of the photographs are sRGB, not linear (key transfer)";
             assert_eq!(found.suspects[0].what, expected);
         }
-        cases += 1;
     }
-    assert_eq!(cases, 2);
 }

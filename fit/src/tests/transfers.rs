@@ -484,7 +484,6 @@ fn transfers_that_cannot_be_followed_are_refused() {
             "does not rise",
         ),
     ];
-    let mut count = 0;
     for (chunk, part, reason) in cases {
         let file = png(folder.path(), &picture(16, true), &[chunk]);
         let error = photo::load(&file, &decode(None))
@@ -502,9 +501,7 @@ fn transfers_that_cannot_be_followed_are_refused() {
             photo::load(&file, &decode(Some(Transfer::Srgb))).is_ok(),
             "{reason}"
         );
-        count += 1;
     }
-    assert_eq!(count, 12);
 }
 
 /// The profile of a JPEG or TIFF that is there in part is refused, and never passed over.
@@ -588,7 +585,6 @@ fn a_written_png_names_its_transfer() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("written.png");
     let light: Vec<f32> = (0..48).map(|i| i as f32 / 60.0).collect();
-    let mut count = 0;
     for (transfer, words) in [
         (Transfer::Linear, "linear (gAMA chunk)"),
         (Transfer::Srgb, "sRGB (sRGB chunk)"),
@@ -611,10 +607,8 @@ fn a_written_png_names_its_transfer() {
             }
             let photo = photo::load(&file, &decode(None)).expect("it is a picture");
             assert_eq!(photo.transfer.to_string(), words);
-            count += 1;
         }
     }
-    assert_eq!(count, 4);
 }
 
 /// Frequency at which the MTF of a file is one half, cycles per pixel.
@@ -670,7 +664,6 @@ fn the_mtf_of_an_edge_is_that_of_its_light() {
         (&plain, vec![], 1e-4, Transfer::Srgb),
         (&plain, vec![gama(100_000)], 1e-4, Transfer::Srgb),
     ];
-    let mut count = 0;
     for (picture, chunks, most, wrong) in cases {
         let file = png(folder.path(), picture, &chunks);
         let found = mtf50(&file, None) / own - 1.0;
@@ -678,9 +671,7 @@ fn the_mtf_of_an_edge_is_that_of_its_light() {
         println!("MTF50 off by {found:.6}; by the other transfer {wrong:.4}");
         assert!(found.abs() < most, "{found}");
         assert!(wrong.abs() > 0.01, "{wrong}");
-        count += 1;
     }
-    assert_eq!(count, 4);
     let file = png(folder.path(), &few, &[gama(100_000)]);
     let (named, given) = (mtf50(&file, None), mtf50(&file, Some(Transfer::Linear)));
     assert_eq!(named, given);

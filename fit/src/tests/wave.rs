@@ -278,7 +278,6 @@ fn derivative_by_ln_c_matches_differences() {
 #[test]
 fn limits_are_ray_shift_and_diffraction() {
     let table = ideal(&[0.0, 20.0]);
-    let mut cases = 0;
     for incidence_deg in [0.0, 20.0] {
         let direction = direction(&table, incidence_deg);
         for normal_deg in [0.0_f64, 33.0, 90.0] {
@@ -301,11 +300,9 @@ fn limits_are_ray_shift_and_diffraction() {
                 let (f, apertures) = raster(&direction, normal, c, 550e-6 * r, 0.1 * f);
                 let (found, _) = line.otf(c, r, f);
                 assert!((found - apertures).abs() < 2e-5, "{f}: {found} {apertures}");
-                cases += 1;
             }
         }
     }
-    assert_eq!(cases, 24);
 }
 
 /// Pieces of one cube are one aperture; the same pieces as separate cubes are not. A spectrum is a
@@ -344,7 +341,6 @@ fn pieces_add_coherently_and_lines_add_up() {
     );
     let lines = line(&whole, normal, &spectrum("450:1,550:3"));
     let blue = line(&whole, normal, &spectrum("450"));
-    let mut cases = 0;
     for i in 1..40 {
         let f = 0.1 * f64::from(i);
         let at = |line: &WaveLine| line.otf(0.2, 150.0, f);
@@ -355,9 +351,7 @@ fn pieces_add_coherently_and_lines_add_up() {
             "{f}: {a:?} {b:?}"
         );
         assert!((at(&lines).0 - 0.25 * at(&blue).0 - 0.75 * a.0).abs() < 1e-14);
-        cases += 1;
     }
-    assert_eq!(cases, 39);
     // Separate triangles spread light further, so their OTF falls faster.
     assert!(strangers.otf(0.2, 150.0, 0.5).0 < one.otf(0.2, 150.0, 0.5).0 - 0.1);
     let kink = one.kink(0.2, 150.0);
@@ -436,7 +430,6 @@ fn planted_campaigns_are_recovered() {
         per_angle_a: None,
         per_angle_mu: None,
     };
-    let mut cases = 0;
     for (seed, (c, lines)) in [
         (0.08, "550"),
         (0.15, "450:0.2,550:0.5,620:0.3"),
@@ -474,8 +467,6 @@ fn planted_campaigns_are_recovered() {
                 );
             }
             assert!(found.spread.is_empty());
-            cases += 1;
         }
     }
-    assert_eq!(cases, 8);
 }

@@ -45,11 +45,7 @@ fn plane(file: &Path) -> (Vec<f32>, usize, usize) {
 fn mix(here: &Path) {
     for (sheet, channel) in SHEETS.into_iter().zip(CHANNELS) {
         std::fs::write(here.join(format!("{channel}.toml")), parameters(sheet)).unwrap();
-        fit(
-            here,
-            &["simulate", &format!("{channel}.toml"), "-o", channel],
-        )
-        .done();
+        fit(here, &format!("simulate {channel}.toml -o {channel}")).done();
     }
     let mixed = here.join("mixed");
     std::fs::create_dir(&mixed).unwrap();
@@ -78,12 +74,12 @@ fn every_channel_has_a_result_of_its_own() {
     let here = folder.path();
     mix(here);
     let table = bake_table(here, "triangular-pair", "10", "20");
-    let run = |more: &[&str]| -> Run {
-        let files = ["estimate", "mixed/captures.toml", "--table", &table];
-        let fixed = ["--kernel", "eq1", "--json", "--channel"];
-        fit(here, &[&files[..], &fixed, more].concat())
+    let run = |more: &str| -> Run {
+        let files = format!("estimate mixed/captures.toml --table {table}");
+        let fixed = "--kernel eq1 --json --channel";
+        fit(here, &format!("{files} {fixed} {more}"))
     };
-    let each = run(&["each", "-o", "colours.json"]);
+    let each = run("each -o colours.json");
     assert_eq!(each.code, Some(0), "{}", each.err);
     assert_eq!(
         each.out,
@@ -105,30 +101,30 @@ fn every_channel_has_a_result_of_its_own() {
     }
     assert_eq!(cases, 3);
     // A channel fitted alone gives exactly the result that it has in `each`.
-    let one = run(&["g"]);
+    let one = run("g");
     assert_eq!(one.code, Some(0), "{}", one.err);
     let mut one: Value = serde_json::from_str(&one.out).unwrap();
     let mut green = results["green"].clone();
     one["seconds"] = 0.into();
     green["seconds"] = 0.into();
     assert_eq!(one, green);
-    let both = run(&["each", "--plot", "mtf.svg"]);
+    let both = run("each --plot mtf.svg");
     assert_eq!(both.code, Some(2), "{}", both.err);
     assert!(both.err.contains("name one --channel"), "{}", both.err);
 
     // A prediction is for one channel, which must be named.
-    let predict = |more: &[&str]| -> Run {
-        let files = ["predict", "colours.json", "--table", &table];
-        let place = ["--distance", "200", "--incidence", "10"];
-        fit(here, &[&files[..], &place, more].concat())
+    let predict = |more: &str| -> Run {
+        let files = format!("predict colours.json --table {table}");
+        let place = "--distance 200 --incidence 10";
+        fit(here, &format!("{files} {place} {more}"))
     };
     let [red, blue] = ["red", "blue"].map(|channel| {
-        let run = predict(&["--channel", channel]);
+        let run = predict(&format!("--channel {channel}"));
         assert_eq!(run.code, Some(0), "{}", run.err);
         run.out
     });
     assert_ne!(red, blue);
-    for more in [&[][..], &["--channel", "luminance"]] {
+    for more in ["", "--channel luminance"] {
         let run = predict(more);
         assert_eq!(run.code, Some(1), "{}", run.err);
         assert!(run.err.contains("blue, green, red"), "{}", run.err);

@@ -32,24 +32,15 @@ fn a_table_does_not_depend_on_threads() {
         ("full-cube", "15"),
         ("triangular", "mean"),
     ] {
-        bake(here, &["design", design, "-o", "cell.glb"]).done();
+        bake(here, &format!("design {design} -o cell.glb")).done();
         let mut written = Vec::new();
         for (run, threads) in ["1", "2", "3", "2"].iter().enumerate() {
             let table = format!("{design}-{run}.h5");
-            let directions = [
-                "--incidence",
-                "0,20,50",
-                "--azimuth",
-                azimuth,
-                "--refractive-index",
-                "1.49",
-            ];
-            let work = ["--method", "rays", "--rays", "100003", "--threads", threads];
-            bake(
-                here,
-                &[&["trace", "cell.glb", "-o", &table][..], &directions, &work].concat(),
-            )
-            .done();
+            let directions =
+                format!("--incidence 0,20,50 --azimuth {azimuth} --refractive-index 1.49");
+            let work = format!("--method rays --rays 100003 --threads {threads}");
+            let line = format!("trace cell.glb -o {table} {directions} {work}");
+            bake(here, &line).done();
             written.push(std::fs::read(here.join(table)).unwrap());
         }
         assert!(written.iter().all(|bytes| *bytes == written[0]), "{design}");
@@ -67,18 +58,9 @@ fn a_result_does_not_depend_on_threads() {
         let file = format!("{threads}.json");
         fit(
             folder.path(),
-            &[
-                "estimate",
-                &manifest,
-                "--lobe",
-                "auto",
-                "--table",
-                &table,
-                "-o",
-                &file,
-                "--threads",
-                threads,
-            ],
+            &format!(
+                "estimate {manifest} --lobe auto --table {table} -o {file} --threads {threads}"
+            ),
         )
         .done();
         let mut result = json(&folder.path().join(file));
@@ -94,11 +76,8 @@ fn a_simulated_campaign_does_not_depend_on_threads() {
     let folder = tempfile::tempdir().unwrap();
     let parameters = argument("tests/tests/all/planted/angular.toml");
     let [one, two] = ["1", "2"].map(|threads| {
-        fit(
-            folder.path(),
-            &["simulate", &parameters, "-o", threads, "--threads", threads],
-        )
-        .done();
+        let line = format!("simulate {parameters} -o {threads} --threads {threads}");
+        fit(folder.path(), &line).done();
         contents(&folder.path().join(threads))
     });
     assert!(one.len() > 3 && one == two);

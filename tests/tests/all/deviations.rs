@@ -15,20 +15,13 @@ use tests::program::{bake, fit};
 /// Bakes a pair with dihedral errors of 0.5, 0 and -0.3 mrad and the index 1.49; returns the table.
 ///
 /// The directions are incidence 0, 20 and 40 degrees at azimuth 10 degrees.
-fn baked(here: &Path, file: &str, options: &[&str]) -> Table {
-    let design = ["design", "triangular-pair", "-o", "uneven.obj"];
-    let errors = ["--dihedral-error-mrad", "0.5,0,-0.3"];
-    bake(here, &[&design[..], &errors].concat()).done();
-    let common = [
-        "trace",
-        "uneven.obj",
-        "-o",
-        file,
-        "--refractive-index",
-        "1.49",
-    ];
-    let directions = ["--incidence", "0,20,40", "--azimuth", "10"];
-    bake(here, &[&common[..], &directions, options].concat()).done();
+fn baked(here: &Path, file: &str, options: &str) -> Table {
+    let design = "design triangular-pair -o uneven.obj";
+    let errors = "--dihedral-error-mrad 0.5,0,-0.3";
+    bake(here, &format!("{design} {errors}")).done();
+    let common = format!("trace uneven.obj -o {file} --refractive-index 1.49");
+    let directions = "--incidence 0,20,40 --azimuth 10";
+    bake(here, &format!("{common} {directions} {options}")).done();
     tables::read(&here.join(file)).expect("a table")
 }
 
@@ -37,9 +30,9 @@ fn baked(here: &Path, file: &str, options: &[&str]) -> Table {
 #[test]
 fn rays_and_beams_have_one_otf() {
     let folder = tempfile::tempdir().unwrap();
-    let rays = ["--method", "rays", "--rays", "1048576"];
-    let beams = baked(folder.path(), "beams.h5", &[]);
-    let rays = baked(folder.path(), "rays.h5", &rays);
+    let rays = "--method rays --rays 1048576";
+    let beams = baked(folder.path(), "beams.h5", "");
+    let rays = baked(folder.path(), "rays.h5", rays);
     let grid = rays.deviations.as_ref().expect("recorded").grid;
     let width = rays.axes.bin_width();
     let (mut cases, mut worst, mut without) = (0, [0.0_f64; 2], 0.0_f64);
@@ -120,31 +113,14 @@ fn photographed(here: &Path, table: &str) {
         }
     }
     std::fs::write(here.join("params.toml"), params).unwrap();
-    fit(
-        here,
-        &[
-            "simulate",
-            "params.toml",
-            "--table",
-            table,
-            "-o",
-            "campaign",
-        ],
-    )
-    .done();
+    let line = format!("simulate params.toml --table {table} -o campaign");
+    fit(here, &line).done();
 }
 
-fn estimated(here: &Path, table: &str, options: &[&str]) -> Value {
-    let common = [
-        "estimate",
-        "campaign/captures.toml",
-        "--table",
-        table,
-        "-o",
-        "r.json",
-    ];
-    let model = ["--kernel", "eq1", "--lobe", "radial", "--shared", "a,c,mu"];
-    let run = fit(here, &[&common[..], &model, options].concat());
+fn estimated(here: &Path, table: &str, options: &str) -> Value {
+    let common = format!("estimate campaign/captures.toml --table {table} -o r.json");
+    let model = "--kernel eq1 --lobe radial --shared a,c,mu";
+    let run = fit(here, &format!("{common} {model} {options}"));
     // `fit` says on standard error that the cubes are not exact, so only the exit code is checked.
     assert_eq!(run.code, Some(0), "{}", run.err);
     json(&here.join("r.json"))
@@ -153,12 +129,12 @@ fn estimated(here: &Path, table: &str, options: &[&str]) -> Value {
 /// Checks that images of the last result agree by beams and by rays, and differ by a table without
 /// deviations.
 fn images(here: &Path) {
-    let place = ["--distance", "250", "--incidence", "20", "--azimuth", "10"];
+    let place = "--distance 250 --incidence 20 --azimuth 10";
     for table in ["beams", "rays", "straight"] {
         let (table, image) = (format!("{table}.h5"), format!("{table}.exr"));
-        let files = ["--source", "campaign/source.exr", "--params", "r.json"];
-        let tables = ["--table", &table, "-o", &image];
-        let run = fit(here, &[&["render"], &files[..], &tables, &place].concat());
+        let files = "--source campaign/source.exr --params r.json";
+        let tables = format!("--table {table} -o {image}");
+        let run = fit(here, &format!("render {files} {tables} {place}"));
         assert_eq!(run.code, Some(0), "{}", run.err);
     }
     let light = |image: &str| {
@@ -184,49 +160,42 @@ fn images(here: &Path) {
     assert!(rays > 60.0 && straight < 50.0, "{rays} {straight}");
 }
 
-/// Both kinds of tables give back a, c and mu, in closed form and by samples. A table without
-/// deviations does not.
+/// Bakes uneven cubes by beams and by rays, photographs them, and checks that estimates of these
+/// photographs give back a, c and mu.
+fn give_back(here: &Path, options: &str) {
+    baked(here, "beams.h5", "");
+    baked(here, "rays.h5", "--method rays --rays 4194304");
+    photographed(here, "beams.h5");
+    let truth = json(&here.join("campaign/truth.json"));
+    for table in ["beams.h5", "rays.h5"] {
+        let found = numbers(&estimated(here, table, options), &truth);
+        assert_eq!(found.len(), 3);
+        for number in found {
+            println!("{table} {options:?} {number:?} score {:.2}", number.score());
+            // If the 12 numbers of both tests were independent, one of them would fail in one of
+            // 12,000 draws of the noise. The seed is fixed.
+            assert!(number.score().abs() < 4.5, "{table} {number:?}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "takes a minute: `make test-slowest` runs it"]
+fn photographs_of_uneven_cubes_give_back_by_samples_what_was_planted() {
+    let folder = tempfile::tempdir().unwrap();
+    give_back(folder.path(), "--forward render --loss mtf --samples 64");
+}
+
+/// Both kinds of tables give back a, c and mu. A table without deviations does not.
 #[test]
 fn photographs_of_uneven_cubes_give_back_what_was_planted() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let many = ["--method", "rays", "--rays", "4194304"];
-    let off = [&many[..], &["--deviations", "off"]].concat();
-    for (file, options) in [
-        ("beams.h5", &[][..]),
-        ("rays.h5", &many),
-        ("straight.h5", &off),
-    ] {
-        baked(here, file, options);
-    }
-    photographed(here, "beams.h5");
-    let truth = json(&here.join("campaign/truth.json"));
-    let by_samples = ["--forward", "render", "--loss", "mtf", "--samples", "64"];
-    let mut judged = 0;
-    for (table, options) in [
-        ("beams.h5", &[][..]),
-        ("rays.h5", &[]),
-        ("beams.h5", &by_samples),
-        ("rays.h5", &by_samples),
-    ] {
-        let result = estimated(here, table, options);
-        for number in numbers(&result, &truth) {
-            println!("{table} {options:?} {number:?} score {:.2}", number.score());
-            // If the 12 numbers were independent, one of them would fail in one of 12,000 draws of
-            // the noise. The seed is fixed.
-            assert!(number.score().abs() < 4.5, "{table} {number:?}");
-            judged += 1;
-        }
-    }
-    assert_eq!(judged, 12);
+    give_back(here, "");
+    let off = "--method rays --rays 4194304 --deviations off";
+    baked(here, "straight.h5", off);
     images(here);
-    let ignored = estimated(here, "straight.h5", &[]);
-    for number in numbers(&ignored, &truth) {
-        println!(
-            "deviations left out: {number:?} score {:.1}",
-            number.score()
-        );
-    }
+    let ignored = estimated(here, "straight.h5", "");
     // The misfit is noticed, and raises the standard errors.
     assert_ne!(ignored["fit"]["verdict"], "good", "{}", ignored["fit"]);
     assert!(
@@ -235,17 +204,7 @@ fn photographs_of_uneven_cubes_give_back_what_was_planted() {
             .is_some_and(|scale| scale > 1.0)
     );
     // `fit simulate` needs the polygons of an exact table for a sheet that is not ideal.
-    let refused = fit(
-        here,
-        &[
-            "simulate",
-            "params.toml",
-            "--table",
-            "rays.h5",
-            "-o",
-            "none",
-        ],
-    );
+    let refused = fit(here, "simulate params.toml --table rays.h5 -o none");
     assert_eq!(refused.code, Some(1));
     assert!(refused.err.contains("no polygons"), "{}", refused.err);
 }
@@ -258,13 +217,13 @@ fn coarse_bins_are_said_where_they_matter() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let design = "design triangular-pair -o curved.obj --sag 2e-5 --segments 12";
-    bake(here, &Vec::from_iter(design.split(' '))).done();
+    bake(here, design).done();
     for (file, deviations) in [("fine.h5", ""), ("coarse.h5", " --deviations 26")] {
         let trace = format!(
             "trace curved.obj -o {file} --normals file --method rays --refractive-index 1.49 \
             --incidence 0 --azimuth 30 --rays 262144{deviations}"
         );
-        let run = bake(here, &Vec::from_iter(trace.split(' ')));
+        let run = bake(here, &trace);
         assert_eq!(run.code, Some(0), "{}", run.err);
     }
     // MTFs along both axes at a distance, and the warning about bins.
@@ -273,7 +232,7 @@ fn coarse_bins_are_said_where_they_matter() {
             "predict --table {file} --c 0.18 --a 4 --distance {r_mm} --incidence 0 --frequency \
             0:2:0.02 --json"
         );
-        let run = fit(here, &Vec::from_iter(predict.split(' ')));
+        let run = fit(here, &predict);
         assert_eq!(run.code, Some(0), "{}", run.err);
         let all: Value = serde_json::from_str(&run.out).expect("JSON");
         let of = |own: &Value| -> Vec<f64> {

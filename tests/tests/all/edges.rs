@@ -55,7 +55,7 @@ fn the_mtf_of_every_edge_is_right_to_half_the_sampling_frequency() {
         assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
         // A clean edge gets no warning, and `fit` writes no remark if its output is a pipe.
         assert_eq!(run.err, "", "{name}");
-        let object = fit(Path::new("."), &["mtf", &image, "--json"]).done();
+        let object = fit(Path::new("."), &format!("mtf {image} --json")).done();
         let object: serde_json::Value = serde_json::from_str(&object).unwrap();
         let found = object["edge_angle_deg"].as_f64().unwrap();
         // An error of 1e-3 deg is 0.004 px at the end of an edge of 256 rows.

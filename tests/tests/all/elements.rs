@@ -14,16 +14,12 @@ use tests::program::{bake, run};
 fn a_plate_blurs_as_its_slits_do() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let design = ["design", "plate", "-o", "plate.glb", "--edge-length", "0.5"];
-    bake(
-        here,
-        &[&design[..], &["--depth", "3", "--thickness", "0.02"]].concat(),
-    )
-    .done();
-    let trace = ["trace", "plate.glb", "-o", "plate.h5", "--element", "plate"];
-    let directions = ["--refractive-index", "1.5", "--azimuth", "45"];
-    bake(here, &[&trace[..], &directions].concat()).done();
-    let judged = bake(here, &["verify", "plate.h5", "--mesh", "plate.glb"]);
+    let design = "design plate -o plate.glb --edge-length 0.5";
+    bake(here, &format!("{design} --depth 3 --thickness 0.02")).done();
+    let trace = "trace plate.glb -o plate.h5 --element plate";
+    let directions = "--refractive-index 1.5 --azimuth 45";
+    bake(here, &format!("{trace} {directions}")).done();
+    let judged = bake(here, "verify plate.h5 --mesh plate.glb --rays 65536");
     assert_eq!(judged.code, Some(0), "{}", judged.err);
 
     let table = tables::read(&here.join("plate.h5")).unwrap();

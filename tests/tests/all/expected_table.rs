@@ -10,7 +10,7 @@ use tests::program::fit;
 fn an_unexpected_table_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let table = bake_table_with(here, "triangular-pair", "0:45:5", "30", &["--bins", "16"]);
+    let table = bake_table_with(here, "triangular-pair", "0:45:5", "30", "--bins 16");
     let hash = tables::read(&here.join(&table)).unwrap().content_hash();
     let (capital, other) = (hash.to_uppercase(), "0".repeat(64));
     let photographs = argument("tests/captures/public_shared");
@@ -30,7 +30,7 @@ fn an_unexpected_table_is_refused() {
         );
         fs::write(here.join(format!("{name}.toml")), text).unwrap();
     }
-    let terms = ["--kernel", "eq1", "--lobe", "radial", "--shared", "a,c,mu"];
+    let terms = "--kernel eq1 --lobe separable --shared a,c,mu";
     let (found, in_line) = (
         format!("{table}: has the content hash {hash}"),
         "`expect_table` in other.toml:".to_owned(),
@@ -52,13 +52,13 @@ fn an_unexpected_table_is_refused() {
         ("study", "other.toml", None, &[&found, &in_line]),
     ];
     for (verb, manifest, option, says) in cases {
-        let mut words = vec![verb, manifest, "--table", &table];
-        words.extend(terms);
+        let mut words = format!("{verb} {manifest} --table {table}");
+        words += &format!(" {terms}");
         if verb == "estimate" {
-            words.extend(["--loss", "mtf"]);
+            words += " --loss mtf";
         }
         if let Some(hash) = option {
-            words.extend(["--expect-table", hash]);
+            words += &format!(" --expect-table {hash}");
         }
         let run = fit(here, &words);
         assert_eq!(

@@ -64,13 +64,13 @@ fn forge(here: &Path, change: Change) {
 fn a_changed_and_sealed_table_is_noticed() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let made = bake_table_with(here, "triangular-pair", "0:40:20", "30", &["--bins", "64"]);
+    let made = bake_table_with(here, "triangular-pair", "0:40:20", "30", "--bins 64");
     std::fs::rename(here.join(made), here.join("honest.h5")).unwrap();
-    let mesh = ["--mesh", "triangular-pair.obj", "--rays", "65536"];
+    let mesh = "--mesh triangular-pair.obj --rays 65536";
 
-    let verified = bake(here, &[&["verify", "honest.h5"], &mesh[..]].concat()).done();
+    let verified = bake(here, &format!("verify honest.h5 {mesh}")).done();
     assert!(verified.contains("path by path"), "{verified}");
-    bake(here, &["compare", "honest.h5", "honest.h5"]).done();
+    bake(here, "compare honest.h5 honest.h5").done();
 
     let inconsistent = "the polygons at incidence";
     let rebaked = "the exact bake of triangular-pair.obj made again";
@@ -83,7 +83,7 @@ fn a_changed_and_sealed_table_is_noticed() {
     ];
     for (what, change, alone, with_mesh) in cases {
         forge(here, change);
-        let verify = bake(here, &["verify", "forged.h5"]);
+        let verify = bake(here, "verify forged.h5");
         match alone {
             Some(says) => {
                 assert_eq!(verify.code, Some(1), "{what}: {}", verify.out);
@@ -96,13 +96,13 @@ fn a_changed_and_sealed_table_is_noticed() {
             }
             None => assert_eq!(verify.code, Some(0), "{what}: {}", verify.err),
         }
-        let verify = bake(here, &[&["verify", "forged.h5"], &mesh[..]].concat());
+        let verify = bake(here, &format!("verify forged.h5 {mesh}"));
         assert_eq!(verify.code, Some(1), "{what}: {}", verify.out);
         assert!(verify.err.contains(with_mesh), "{what}: {}", verify.err);
     }
     for change in [scaled, turned] {
         forge(here, change);
-        let compared = bake(here, &["compare", "honest.h5", "forged.h5"]);
+        let compared = bake(here, "compare honest.h5 forged.h5");
         assert_eq!(compared.code, Some(1), "{}", compared.out);
         assert!(
             compared.err.contains("the tables differ"),
@@ -150,18 +150,18 @@ fn tables_with_other_cuts_agree() {
         ("the shift of one half", moved),
     ];
     for cell in cells {
-        let made = bake_table_with(here, cell, "0:40:20", "0,30", &["--bins", "64"]);
+        let made = bake_table_with(here, cell, "0:40:20", "0,30", "--bins 64");
         std::fs::rename(here.join(made), here.join("honest.h5")).unwrap();
         forge(here, recut);
-        bake(here, &["verify", "forged.h5"]).done();
-        bake(here, &["compare", "honest.h5", "forged.h5"]).done();
-        bake(here, &["compare", "forged.h5", "honest.h5"]).done();
+        bake(here, "verify forged.h5").done();
+        bake(here, "compare honest.h5 forged.h5").done();
+        bake(here, "compare forged.h5 honest.h5").done();
         for (what, change) in changes {
             let mut table = tables::read(&here.join("honest.h5")).unwrap();
             recut(&mut table);
             change(&mut table);
             tables::write(&table, &here.join("forged.h5")).unwrap();
-            let compared = bake(here, &["compare", "honest.h5", "forged.h5"]);
+            let compared = bake(here, "compare honest.h5 forged.h5");
             assert_eq!(compared.code, Some(1), "{cell}, {what}: {}", compared.out);
         }
     }
@@ -173,41 +173,16 @@ fn tables_with_other_cuts_agree() {
 fn exit_directions_of_rays_are_compared() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let errors = [
-        "design",
-        "triangular",
-        "--dihedral-error-mrad",
-        "1,1,1",
-        "-o",
-        "worn.obj",
-    ];
-    bake(here, &errors).done();
+    let errors = "design triangular --dihedral-error-mrad 1,1,1 -o worn.obj";
+    bake(here, errors).done();
     for (name, seed) in [("a.h5", "1"), ("b.h5", "2")] {
-        let trace = [
-            "trace",
-            "worn.obj",
-            "-o",
-            name,
-            "--method",
-            "rays",
-            "--rays",
-            "65536",
-            "--sampler",
-            "random",
-            "--seed",
-            seed,
-            "--incidence",
-            "10",
-            "--bins",
-            "32",
-            "--deviations",
-            "20",
-            "--refractive-index",
-            "1",
-        ];
+        let trace = format!(
+            "trace worn.obj -o {name} --method rays --rays 65536 --sampler random --seed {seed} \
+                --incidence 10 --bins 32 --deviations 20 --refractive-index 1"
+        );
         bake(here, &trace).done();
     }
-    let agreed = bake(here, &["compare", "a.h5", "b.h5", "--json"]).done();
+    let agreed = bake(here, "compare a.h5 b.h5 --json").done();
     assert!(!agreed.contains("\"exits_l1\":null"), "{agreed}");
     let mut table = tables::read(&here.join("a.h5")).unwrap();
     let deviations = table.deviations.as_mut().unwrap();
@@ -219,7 +194,7 @@ fn exit_directions_of_rays_are_compared() {
         }
     }
     tables::write(&table, &here.join("turned.h5")).unwrap();
-    let compared = bake(here, &["compare", "a.h5", "turned.h5"]);
+    let compared = bake(here, "compare a.h5 turned.h5");
     assert_eq!(compared.code, Some(1), "{}", compared.out);
 }
 
@@ -229,36 +204,17 @@ fn exit_directions_of_rays_are_compared() {
 fn exit_directions_of_polygons_and_rays_are_compared() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let worn = [
-        "design",
-        "triangular-pair",
-        "--dihedral-error-mrad",
-        "1,0.5,-0.7",
-    ];
-    bake(here, &[&worn[..], &["-o", "worn.obj"]].concat()).done();
-    let asked = [
-        "--incidence",
-        "0:40:5",
-        "--azimuth",
-        "0:50:10",
-        "--bins",
-        "16",
-    ];
-    let trace = |name: &str, method: &[&str]| {
-        let files = [
-            "trace",
-            "worn.obj",
-            "-o",
-            name,
-            "--refractive-index",
-            "1.49",
-        ];
-        bake(here, &[&files[..], &asked, method].concat()).done();
+    let worn = "design triangular-pair --dihedral-error-mrad 1,0.5,-0.7";
+    bake(here, &format!("{worn} -o worn.obj")).done();
+    let asked = "--incidence 0:40:5 --azimuth 0:50:10 --bins 16";
+    let trace = |name: &str, method: &str| {
+        let files = format!("trace worn.obj -o {name} --refractive-index 1.49");
+        bake(here, &format!("{files} {asked} {method}")).done();
     };
-    trace("honest.h5", &["--method", "exact"]);
+    trace("honest.h5", "--method exact");
     let exact = tables::read(&here.join("honest.h5")).unwrap();
     let rows = |first: &str, second: &str| {
-        let run = bake(here, &["compare", first, second, "--json"]);
+        let run = bake(here, &format!("compare {first} {second} --json"));
         let said: serde_json::Value = serde_json::from_str(&run.out).unwrap();
         (run.code, said["directions"].as_array().unwrap().clone())
     };
@@ -268,16 +224,7 @@ fn exit_directions_of_polygons_and_rays_are_compared() {
     let (mut compared, mut largest) = (0, 0.0_f64);
     for seed in ["1", "2", "3"] {
         for sampler in ["random", "sobol"] {
-            let rays = [
-                "--method",
-                "rays",
-                "--rays",
-                "16384",
-                "--seed",
-                seed,
-                "--sampler",
-                sampler,
-            ];
+            let rays = format!("--method rays --rays 16384 --seed {seed} --sampler {sampler}");
             trace("rays.h5", &rays);
             for (first, second) in [("honest.h5", "rays.h5"), ("rays.h5", "honest.h5")] {
                 let (_, rows) = rows(first, second);
@@ -313,9 +260,9 @@ fn exit_directions_of_polygons_and_rays_are_compared() {
 }
 
 /// Returns what `bake verify --mesh --json` said of a table, and its exit code.
-fn judged(here: &Path, table: &str, mesh: &str, more: &[&str]) -> (Option<i32>, serde_json::Value) {
-    let words = ["verify", table, "--mesh", mesh, "--rays", "65536", "--json"];
-    let run = bake(here, &[&words[..], more].concat());
+fn judged(here: &Path, table: &str, mesh: &str, more: &str) -> (Option<i32>, serde_json::Value) {
+    let words = format!("verify {table} --mesh {mesh} --rays 65536 --json");
+    let run = bake(here, &format!("{words} {more}"));
     let said = serde_json::from_str(&run.out);
     let said = said.unwrap_or(serde_json::Value::String(run.err));
     (run.code, said)
@@ -357,7 +304,7 @@ fn stretched(table: &mut Table, i: usize, j: usize) {
 fn stretched_directions_are_noticed_wherever_they_are() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let rays = |n| ["--method", "rays", "--rays", n, "--bins", "64"];
+    let rays = |n| format!("--method rays --rays {n} --bins 64");
     let mut cases = 0;
     // 2,000 rays have more noise in their bins than light, but not in bins taken together.
     for n in ["262144", "2000"] {
@@ -365,7 +312,7 @@ fn stretched_directions_are_noticed_wherever_they_are() {
         let honest = tables::read(&here.join(&made)).unwrap();
         let mesh = "triangular-pair.obj";
         for seed in ["1", "2", "3"] {
-            let (code, said) = judged(here, &made, mesh, &["--seed", seed]);
+            let (code, said) = judged(here, &made, mesh, &format!("--seed {seed}"));
             assert_eq!(
                 (code, &said["exact_bake_agrees"]),
                 (Some(0), &true.into()),
@@ -378,7 +325,7 @@ fn stretched_directions_are_noticed_wherever_they_are() {
             let mut table = honest.clone();
             which.iter().for_each(|&i| stretched(&mut table, i, 0));
             tables::write(&table, &here.join("forged.h5")).unwrap();
-            let (code, said) = judged(here, "forged.h5", mesh, &[]);
+            let (code, said) = judged(here, "forged.h5", mesh, "");
             assert_eq!(
                 (code, &said["exact_bake_agrees"]),
                 (Some(1), &false.into()),
@@ -388,40 +335,13 @@ fn stretched_directions_are_noticed_wherever_they_are() {
         }
     }
     // Facets that stand for curved ones: rays look at all directions.
-    let curved = [
-        "design",
-        "triangular-pair",
-        "--sag",
-        "0.0002",
-        "--segments",
-        "4",
-        "-o",
-        "curved.glb",
-    ];
-    let curved = bake(here, &curved);
+    let curved = "design triangular-pair --sag 0.0002 --segments 4 -o curved.glb";
+    let curved = bake(here, curved);
     assert_eq!(curved.code, Some(0), "{}", curved.err);
-    let trace = [
-        "trace",
-        "curved.glb",
-        "-o",
-        "curved.h5",
-        "--normals",
-        "file",
-        "--method",
-        "rays",
-        "--incidence",
-        "0:45:5",
-        "--azimuth",
-        "30",
-        "--rays",
-        "65536",
-        "--bins",
-        "64",
-        "--refractive-index",
-        "1.49",
-    ];
-    bake(here, &trace).done();
-    let (code, said) = judged(here, "curved.h5", "curved.glb", &[]);
+    let trace = "trace curved.glb -o curved.h5 --normals file --method rays --incidence 0:45:5 \
+        --azimuth 30 --rays 65536 --bins 64 --refractive-index 1.49";
+    bake(here, trace).done();
+    let (code, said) = judged(here, "curved.h5", "curved.glb", "");
     assert_eq!(
         (code, &said["directions_traced"]),
         (Some(0), &10.into()),
@@ -431,7 +351,7 @@ fn stretched_directions_are_noticed_wherever_they_are() {
     let exits = table.deviations.take();
     assert!(exits.is_some());
     tables::write(&table, &here.join("forged.h5")).unwrap();
-    let (code, said) = judged(here, "forged.h5", "curved.glb", &[]);
+    let (code, said) = judged(here, "forged.h5", "curved.glb", "");
     assert_eq!(
         (code, listed(&said, "contradictions")),
         (Some(1), vec!["group deviation".into()])
@@ -447,11 +367,11 @@ fn what_a_table_says_is_checked_or_listed() {
     use tables::options::{Back, Method, Word};
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let options = ["--bins", "32", "--direction-tolerance", "0.02"];
-    let made = bake_table_with(here, "full-cube", "0,15", "0,30", &options);
+    let options = "--bins 32 --direction-tolerance 0.02";
+    let made = bake_table_with(here, "full-cube", "0,15", "0,30", options);
     let mesh = "full-cube.obj";
     let honest = tables::read(&here.join(&made)).unwrap();
-    let (code, said) = judged(here, &made, mesh, &[]);
+    let (code, said) = judged(here, &made, mesh, "");
     assert_eq!(code, Some(0), "{said}");
     let texts = "frame, azimuths, units, long_name";
     // Below 18.9 degrees bare facets of index 1.49 reflect all light, as mirrors do.
@@ -459,10 +379,10 @@ fn what_a_table_says_is_checked_or_listed() {
     assert!(said["error_between"].as_f64().unwrap() <= 0.02);
     let seed = said["seed"].as_u64().unwrap().to_string();
     assert_eq!(
-        judged(here, &made, mesh, &["--seed", &seed]),
+        judged(here, &made, mesh, &format!("--seed {seed}")),
         (code, said.clone())
     );
-    assert_ne!(judged(here, &made, mesh, &[]).1["seed"], said["seed"]);
+    assert_ne!(judged(here, &made, mesh, "").1["seed"], said["seed"]);
 
     // How a change is found: by the attribute that contradicts the mesh, by a comparison that
     // fails, by a sentence, or only as listed.
@@ -564,7 +484,7 @@ fn what_a_table_says_is_checked_or_listed() {
         let mut table = honest.clone();
         change(&mut table);
         tables::write(&table, &here.join("forged.h5")).unwrap();
-        let (code, said) = judged(here, "forged.h5", mesh, &[]);
+        let (code, said) = judged(here, "forged.h5", mesh, "");
         let wrong = listed(&said, "contradictions");
         match by {
             Attribute(name) => {
@@ -583,7 +503,7 @@ fn what_a_table_says_is_checked_or_listed() {
             By::Word(word) => {
                 assert_eq!(code, Some(1), "{k}");
                 assert!(said.as_str().unwrap().contains(word), "{k}: {said}");
-                let alone = bake(here, &["verify", "forged.h5"]);
+                let alone = bake(here, "verify forged.h5");
                 assert_eq!(alone.code, Some(1), "{k}: {}", alone.out);
                 kinds[2] += 1;
             }
@@ -599,20 +519,10 @@ fn what_a_table_says_is_checked_or_listed() {
 
     // A table in another unit of length than the mesh's own is right in its own unit, and that is
     // said.
-    let scaled = [
-        "trace",
-        mesh,
-        "-o",
-        "scaled.h5",
-        "--edge-length",
-        "3.15",
-        "--refractive-index",
-        "1.49",
-        "--bins",
-        "16",
-    ];
+    let scaled =
+        format!("trace {mesh} -o scaled.h5 --edge-length 3.15 --refractive-index 1.49 --bins 16");
     bake(here, &scaled).done();
-    let (code, said) = judged(here, "scaled.h5", mesh, &[]);
+    let (code, said) = judged(here, "scaled.h5", mesh, "");
     assert_eq!(code, Some(0), "{said}");
     assert!(
         listed(&said, "unchecked").contains(&"edge_length".into()),

@@ -10,79 +10,56 @@ use std::time::Instant;
 
 use tests::files::{argument, bake_table, project};
 
-/// Crates that only the default features need: for plots, FLIP in C++, pictures as text, and
+/// Crates that only the default features need: for plots, pictures as text, and
 /// progress bars.
 const FEATURES_BRING: [&str; 3] = ["charts", "base64", "indicatif"];
 
-fn cargo(arguments: &[&str]) -> Command {
+fn cargo(line: &str) -> Command {
     let mut command = Command::new(env!("CARGO"));
-    command.current_dir(project()).args(arguments);
+    command.current_dir(project()).args(line.split_whitespace());
     command
+}
+
+/// Runs `cargo tree` and returns its lines.
+fn tree(options: &str) -> BTreeSet<String> {
+    let line = format!("tree --locked --offline --prefix none {options}");
+    let output = cargo(&line).output().expect("cargo runs");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{line}: {errors}");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let lines = text
+        .lines()
+        .map(|line| line.trim_end_matches(" (*)").trim());
+    lines
+        .filter(|line| !line.is_empty())
+        .map(str::to_owned)
+        .collect()
 }
 
 /// Returns the names and versions of all crates in a build of `fit`, with `fit` itself.
 ///
 /// `edges` says which dependencies count, for example `normal,build`.
-fn crates(features: &[&str], edges: &str) -> BTreeSet<String> {
-    let tree = [
-        "tree",
-        "--locked",
-        "--offline",
-        "-p",
-        "fit",
-        "--prefix",
-        "none",
-        "--edges",
-        edges,
-    ];
-    let output = cargo(&[&tree[..], features].concat())
-        .output()
-        .expect("cargo runs");
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+fn crates(features: &str, edges: &str) -> BTreeSet<String> {
     // Two versions of a crate count as two crates.
-    let name = |line: &str| {
+    let name = |line: &String| {
         let words: Vec<&str> = line.split_whitespace().take(2).collect();
         words.join(" ")
     };
-    let lines = text.lines().filter(|line| !line.trim().is_empty());
-    lines.map(name).collect()
+    let lines = tree(&format!("-p fit --edges {edges} {features}"));
+    lines.iter().map(name).collect()
 }
 
 /// Tests of one crate compile nothing anew after tests of the workspace: each third crate has the
 /// same features in both. What a crate lacks is added to its dev-dependencies.
 #[test]
 fn one_crate_alone_has_the_features_of_the_workspace() {
-    let of = |part: &[&str]| -> BTreeSet<String> {
-        let tree = [
-            "tree",
-            "--locked",
-            "--offline",
-            "--prefix",
-            "none",
-            "-f",
-            "{p} {f}",
-        ];
-        let output = cargo(&[&tree[..], &["-e", "normal,build,dev"], part].concat())
-            .output()
-            .expect("cargo runs");
-        let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert!(output.status.success(), "{part:?}");
-        let lines = text
-            .lines()
-            .map(|line| line.trim_end_matches(" (*)").to_owned());
-        lines.filter(|line| !line.is_empty()).collect()
-    };
+    let of = |part: &str| tree(&format!("-e normal,build,dev -f {{p}}@{{f}} {part}"));
     // Without arguments these are the members that cargo takes by default: all but the module of
     // Python, whose macros want more features. `make test` takes it too, in every step.
     for (all, few) in [
-        (&[][..], &["-p", "fit"][..]),
-        (&[], &["-p", "bake"]),
-        (&["--workspace"], &["-p", "fit", "-p", "airr"]),
+        ("", "-p fit"),
+        ("", "-p bake"),
+        ("--workspace", "-p fit -p airr"),
     ] {
         let (all, few_of) = (of(all), of(few));
         assert!(few_of.len() > 80, "{few:?}: {}", few_of.len());
@@ -94,18 +71,15 @@ fn one_crate_alone_has_the_features_of_the_workspace() {
 
 #[test]
 fn the_lean_tree_has_no_crate_that_draws_and_no_cpp() {
-    let lean = crates(&["--no-default-features"], "normal,build");
-    let full = crates(&[], "normal,build");
+    let lean = crates("--no-default-features", "normal,build");
+    let full = crates("", "normal,build");
     let has = |tree: &BTreeSet<String>, name: &str| {
         tree.iter().any(|held| held.split(' ').next() == Some(name))
     };
-    let mut looked = 0;
     for name in FEATURES_BRING {
         assert!(has(&full, name), "{name} is gone: take it from this list");
         assert!(!has(&lean, name), "the lean fitter brings {name}");
-        looked += 1;
     }
-    assert_eq!(looked, FEATURES_BRING.len());
     assert!(lean.is_subset(&full));
     println!(
         "crates, build scripts' own among them: {} lean, {} full",
@@ -123,15 +97,7 @@ fn built() -> (PathBuf, f64) {
         std::fs::remove_dir_all(&target).expect("an old build goes");
     }
     let started = Instant::now();
-    let build = [
-        "build",
-        "--release",
-        "--locked",
-        "-p",
-        "fit",
-        "--no-default-features",
-    ];
-    let status = cargo(&build)
+    let status = cargo("build --release --locked -p fit --no-default-features")
         .arg("--target-dir")
         .arg(&target)
         .env("CXX", "no-such-compiler")
@@ -143,10 +109,10 @@ fn built() -> (PathBuf, f64) {
 }
 
 /// Runs a program and returns its exit code, and its standard output followed by standard error.
-fn run(program: &Path, folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+fn run(program: &Path, folder: &Path, line: &str) -> (Option<i32>, String) {
     let output = Command::new(program)
         .current_dir(folder)
-        .args(arguments)
+        .args(line.split_whitespace())
         .output()
         .expect("the lean program starts");
     let said = [output.stdout, output.stderr].concat();
@@ -179,7 +145,7 @@ fn the_lean_program_does_its_verbs() {
     let megabytes = program.metadata().expect("it was built").len() as f64 / 1e6;
     println!(
         "lean: {} crates, {seconds:.0} s from nothing, {megabytes:.1} MB",
-        crates(&["--no-default-features"], "normal").len()
+        crates("--no-default-features", "normal").len()
     );
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
@@ -192,73 +158,33 @@ fn the_lean_program_does_its_verbs() {
         "photographs = { from = 3, to = 4 }\n",
     )
     .unwrap();
-    let done: [&[&str]; 6] = [
-        &[
-            "estimate",
-            &manifest,
-            "--table",
-            &table,
-            "-o",
-            "result.json",
-        ],
-        &["mtf", &photograph, "-o", "mtf.csv"],
-        &[
-            "predict",
-            "result.json",
-            "--table",
-            &table,
-            "--distance",
-            "150",
-            "--incidence",
-            "20",
-            "--json",
-        ],
-        &["simulate", "params.toml", "-o", "campaign"],
-        &[
-            "study",
-            "--ranges",
-            "ranges.toml",
-            "--table",
-            &table,
-            "--campaigns",
-            "2",
-        ],
-        &[
-            "export",
-            "result.json",
-            "--table",
-            &table,
-            "--to",
-            "gltf",
-            "--distance",
-            "150",
-            "-o",
-            "a.gltf",
-        ],
-    ];
-    for arguments in done {
-        let (code, said) = run(&program, here, arguments);
-        assert_eq!(code, Some(0), "fit {}\n{said}", arguments.join(" "));
+    for line in [
+        "simulate params.toml -o campaign",
+        &format!("estimate {manifest} --table {table} -o result.json"),
+        &format!("mtf {photograph} -o mtf.csv"),
+        &format!("predict result.json --table {table} --distance 150 --incidence 20 --json"),
+        &format!("study --ranges ranges.toml --table {table} --campaigns 2"),
+        &format!("export result.json --table {table} --to gltf --distance 150 -o a.gltf"),
+    ] {
+        let (code, said) = run(&program, here, line);
+        assert_eq!(code, Some(0), "fit {line}\n{said}");
     }
     // The lean program does not offer missing verbs and options. To ask for one is wrong usage.
-    let absent: [&[&str]; 4] = [
-        &["render"],
-        &["estimate", &manifest, "--table", &table, "--plot", "a.svg"],
-        &[
-            "estimate", &manifest, "--table", &table, "--report", "a.html",
-        ],
-        &["study", &manifest, "--table", &table, "--plot", "a.svg"],
-    ];
-    for arguments in absent {
-        let (code, said) = run(&program, here, arguments);
-        assert_eq!(code, Some(2), "fit {}\n{said}", arguments.join(" "));
+    for line in [
+        "render",
+        &format!("estimate {manifest} --table {table} --plot a.svg"),
+        &format!("estimate {manifest} --table {table} --report a.html"),
+        &format!("study {manifest} --table {table} --plot a.svg"),
+    ] {
+        let (code, said) = run(&program, here, line);
+        assert_eq!(code, Some(2), "fit {line}\n{said}");
         assert!(
             said.contains("unrecognized subcommand") || said.contains("unexpected argument"),
             "{said}"
         );
     }
     for verb in ["estimate", "mtf", "predict", "study"] {
-        let (_, help) = run(&program, here, &[verb, "--help"]);
+        let (_, help) = run(&program, here, &format!("{verb} --help"));
         for option in ["--plot", "--report", "--against"] {
             assert!(!help.contains(option), "fit {verb} --help names {option}");
         }

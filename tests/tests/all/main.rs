@@ -27,7 +27,6 @@ mod links;
 mod many_edges;
 mod pages;
 mod pictures;
-mod planted;
 mod predict;
 mod python;
 mod reader;

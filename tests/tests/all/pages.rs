@@ -1,11 +1,13 @@
-//! Commands of the pages: those in blocks marked `sh` run as printed, in the order of the page.
+//! Commands of the pages: those in blocks marked `sh` run as printed, in the order of the page, and
+//! print what the block marked `text` after them shows.
 
+use std::ffi::OsStr;
 use std::path::Path;
 use std::process::Command;
 
 use tests::files::project;
-use tests::page::commands;
-use tests::program::{python, run};
+use tests::page::{blocks, missing};
+use tests::program::{python, run_by};
 
 /// Pages whose commands are run, in this order, after README.md. They read files that it writes.
 const PAGES: [&str; 13] = [
@@ -24,23 +26,39 @@ const PAGES: [&str; 13] = [
     "fit/doc/baselines.md",
 ];
 
-/// Runs the commands of a page and returns their number.
+/// Runs a command on a terminal: `fit mtf` shows its summary there only.
+const TERMINAL: &str = "import pty, sys; sys.exit(pty.spawn(sys.argv[1:]) >> 8)";
+
+/// Runs the commands of a page, and compares what they print with the page.
 ///
-/// The folder `here` has links to the folders of the project that the commands use.
-fn run_page(page: &str, here: &Path) -> usize {
+/// Returns the numbers of commands and of lines that the page shows. The folder `here` has links to
+/// the folders of the project that the commands use.
+fn run_page(page: &str, here: &Path) -> [usize; 2] {
     let text = std::fs::read_to_string(project().join(page)).unwrap();
-    let mut ran = 0;
-    for words in commands(&text) {
-        let (program, arguments) = words.split_first().unwrap();
-        ran += 1;
-        if program == "python3" {
-            run_python(page, here, arguments);
-            continue;
+    let (mut ran, mut compared) = (0, 0);
+    for block in blocks(&text) {
+        let mut printed = String::new();
+        for words in &block.commands {
+            let (program, arguments) = words.split_first().unwrap();
+            ran += 1;
+            if program == "python3" {
+                run_python(page, here, arguments);
+                continue;
+            }
+            let terminal = [python(), "-c".into(), TERMINAL.into()];
+            let terminal: Vec<&OsStr> = terminal.iter().map(AsRef::as_ref).collect();
+            let is_shown = program == "fit" && arguments[0] == "mtf";
+            let starter = if is_shown { &terminal[..] } else { &[] };
+            let run = run_by(starter, program, here, arguments);
+            assert_eq!(run.code, Some(0), "{page}: {}\n{}", run.line, run.err);
+            printed += &run.out;
         }
-        let run = run(program, here, arguments);
-        assert_eq!(run.code, Some(0), "{page}: {}\n{}", run.line, run.err);
+        if let Some(line) = missing(&block.printed, &printed) {
+            panic!("{page} shows a line that is not printed:\n{line}\n{printed}");
+        }
+        compared += block.printed.len();
     }
-    ran
+    [ran, compared]
 }
 
 /// Runs a Python command of a page with the interpreter of the tests, which has h5py.
@@ -56,20 +74,56 @@ fn run_python(page: &str, here: &Path, arguments: &[String]) {
 }
 
 #[test]
-fn every_page_runs_as_printed() {
+fn every_page_runs_and_prints_as_shown() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     for name in ["tests", "fit", "doc", "tables"] {
         std::os::unix::fs::symlink(project().join(name), here.join(name)).unwrap();
     }
-    let mut ran = run_page("README.md", here);
+    let [mut ran, mut compared] = run_page("README.md", here);
     assert_eq!(ran, 9, "README has nine commands");
     for page in PAGES {
         // A page overwrites only files that it wrote itself. So sheet.h5 and result.json of README
         // stay unchanged.
         let of_page = run_page(page, here);
-        assert!(of_page > 0, "{page}: no command was found");
-        ran += of_page;
+        assert!(of_page[0] > 0, "{page}: no command was found");
+        ran += of_page[0];
+        compared += of_page[1];
     }
-    println!("{ran} commands of {} pages", 1 + PAGES.len());
+    println!(
+        "{ran} commands of {} pages, {compared} lines that they print",
+        1 + PAGES.len()
+    );
+    assert!(compared >= 20, "{compared} lines");
+}
+
+#[test]
+fn wrong_lines_of_a_page_are_noticed() {
+    let printed =
+        "t.h5: 10 directions in 0.0033 s\nc (mm)    0.24002  0.00028\nmu  0.520  4.1e-5\n";
+    let cases = [
+        ("t.h5: 10 directions in 0.2 s", true),
+        ("t.h5: 11 directions in 0.0033 s", false),
+        ("c (mm) 0.24002 0.00028", true),
+        ("c (mm) 0.240 ...", true),
+        ("c (mm) 0.24002 0.00029", false),
+        ("c (mm) 0.24002 0.000280", false),
+        ("c (mm) 0.24002", false),
+        ("a (mm) 0.24002 0.00028", false),
+        ("mu 0.52 4.1e-5", true),
+        ("mu 0.52 4.2e-5", false),
+    ];
+    for (line, is_right) in cases {
+        let page = format!("```sh\nfit x\n```\n\n```text\n...\n{line}\n```\n");
+        let block = blocks(&page).remove(0);
+        assert_eq!(block.commands, [["fit", "x"]]);
+        assert_eq!(
+            missing(&block.printed, printed).is_none(),
+            is_right,
+            "{line}"
+        );
+    }
+    // Lines in another order than they are printed.
+    let swapped = ["mu 0.52 4.1e-5", "c (mm) 0.24 0.00028"].map(String::from);
+    assert_eq!(missing(&swapped, printed), Some("c (mm) 0.24 0.00028"));
 }

@@ -73,15 +73,12 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
     let here = folder.path();
     let table = bake_table(here, "triangular", "10,25,40", "10");
     let manifest = argument("tests/captures/public_axes/captures.toml");
-    let terms = ["--kernel", "eq1", "--shared", "a,mu", "-o", "sheet.json"];
-    fit(
-        here,
-        &[&["estimate", &manifest, "--table", &table][..], &terms].concat(),
-    )
-    .done();
-    let place = ["--table", &table, "--distance", "200", "--incidence", "25"];
-    let predicted = ["predict", "sheet.json", "--frequency", "0", "--json"];
-    let predicted = fit(here, &[&predicted[..], &place].concat()).done();
+    let terms = "--kernel eq1 --shared a,mu -o sheet.json";
+    let line = format!("estimate {manifest} --table {table} {terms}");
+    fit(here, &line).done();
+    let place = format!("--table {table} --distance 200 --incidence 25");
+    let predicted = "predict sheet.json --frequency 0 --json";
+    let predicted = fit(here, &format!("{predicted} {place}")).done();
     let predicted: Value = serde_json::from_str(&predicted).unwrap();
     let luminance = predicted["predictions"][0]["luminance"].as_f64().unwrap();
     // mu times eta, times T_h R_h = 0.25 of a half mirror that passes and reflects one half each.
@@ -96,16 +93,8 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
     );
 
     let sources = sources(here);
-    let unsaid = [
-        "render",
-        "--source",
-        "colour.png",
-        "--params",
-        "sheet.json",
-        "-o",
-        "a.exr",
-    ];
-    let unsaid = fit(here, &[&unsaid[..], &place].concat());
+    let unsaid = "render --source colour.png --params sheet.json -o a.exr";
+    let unsaid = fit(here, &format!("{unsaid} {place}"));
     assert!(
         unsaid.err.contains("give --transfer srgb"),
         "{}",
@@ -113,27 +102,18 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
     );
     let mut cases = 0;
     for source in sources {
-        let render = |to: &str, options: &[&str]| {
-            let files = [
-                "render",
-                "--source",
-                source,
-                "--params",
-                "sheet.json",
-                "-o",
-                to,
-                "--json",
-            ];
+        let render = |to: &str, options: &str| {
+            let files = format!("render --source {source} --params sheet.json -o {to} --json");
             // A colour file of 16 bits that does not say what they mean is warned of.
-            let meaning: &[&str] = match source {
-                "colour.png" => &["--transfer", "linear"],
-                _ => &[],
+            let meaning: &str = match source {
+                "colour.png" => "--transfer linear",
+                _ => "",
             };
-            let report = fit(here, &[&files[..], &place, options, meaning].concat()).done();
+            let report = fit(here, &format!("{files} {place} {options} {meaning}")).done();
             let image = load_colour(&here.join(to), None).unwrap();
             (serde_json::from_str::<Value>(&report).unwrap(), image)
         };
-        let (report, image) = render("image.exr", &[]);
+        let (report, image) = render("image.exr", "");
         let energy = report["energy"][0].as_f64().unwrap();
         assert!(
             (energy / luminance - 1.0).abs() < 1e-12,
@@ -149,7 +129,7 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
             cases += 1;
         }
 
-        let (report, sampled) = render("sampled.exr", &["--forward", "render", "--samples", "64"]);
+        let (report, sampled) = render("sampled.exr", "--forward render --samples 64");
         let error = report["sampling_error"].as_f64().unwrap();
         let pairs = image
             .planes
@@ -168,7 +148,7 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
 
         // The ambient light is added to every pixel, then the sum is multiplied by the exposure.
         // The contrast compares the image without ambient light to the ambient light.
-        let (report, lit) = render("lit.exr", &["--ambient", "0.002", "--exposure", "3"]);
+        let (report, lit) = render("lit.exr", "--ambient 0.002 --exposure 3");
         for (own, lit) in image
             .planes
             .iter()
@@ -235,28 +215,12 @@ fn a_picture_under_a_very_wide_blur_gets_fewer_pixels() {
         coarse.clone().encode(Writing::Exr).unwrap(),
     )
     .unwrap();
-    let render = |source: &str, size: [&str; 2], to: &str| {
-        let place = [
-            "--distance",
-            "3000",
-            "--incidence",
-            "20",
-            "--json",
-            "-o",
-            to,
-        ];
-        let sheet = [
-            "render",
-            "--sheet",
-            "prism-0.1",
-            "--transfer",
-            "linear",
-            "--source",
-            source,
-        ];
-        fit(here, &[&sheet[..], &size, &place].concat())
+    let render = |source: &str, size: &str, to: &str| {
+        let place = format!("--distance 3000 --incidence 20 --json -o {to}");
+        let sheet = format!("render --sheet prism-0.1 --transfer linear --source {source}");
+        fit(here, &format!("{sheet} {size} {place}"))
     };
-    let reduced = render("fine.png", ["--width", "200"], "reduced.exr");
+    let reduced = render("fine.png", "--width 200", "reduced.exr");
     assert!(
         reduced
             .err
@@ -275,7 +239,7 @@ fn a_picture_under_a_very_wide_blur_gets_fewer_pixels() {
             .map(|mm| (mm * 1e9).round()),
         Some(6e8)
     );
-    render("coarse.exr", ["--pixel-pitch", "0.6"], "by-hand.exr");
+    render("coarse.exr", "--pixel-pitch 0.6", "by-hand.exr");
     let [own, by_hand] = ["reduced.exr", "by-hand.exr"].map(|file| {
         let image = load_colour(&here.join(file), None).unwrap();
         image.planes.into_iter().next().unwrap()
@@ -295,7 +259,7 @@ fn a_picture_under_a_very_wide_blur_gets_fewer_pixels() {
         "{said}: {}",
         reduced.err
     );
-    let refused = render("fine.png", ["--pixel-pitch", "0.2"], "none.exr");
+    let refused = render("fine.png", "--pixel-pitch 0.2", "none.exr");
     assert_eq!(refused.code, Some(1));
     assert!(
         refused
@@ -304,7 +268,7 @@ fn a_picture_under_a_very_wide_blur_gets_fewer_pixels() {
     );
     assert!(!here.join("none.exr").exists());
     // A width that was exchanged with the distance is said.
-    let exchanged = render("coarse.exr", ["--width", "9100"], "exchanged.exr");
+    let exchanged = render("coarse.exr", "--width 9100", "exchanged.exr");
     assert!(
         exchanged.err.contains("exchange --width and --distance"),
         "{}",

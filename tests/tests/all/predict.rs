@@ -11,24 +11,13 @@ fn any_table_of_the_fitted_cell_predicts() {
     let here = folder.path();
     let manifest = argument("tests/captures/public_shared/captures.toml");
     let fitted = bake_table(here, "triangular-pair", "0:45:15", "30");
-    let options = ["--kernel", "eq1", "--lobe", "separable", "--shared", "a,mu"];
-    let files = ["estimate", &manifest, "--table", &fitted, "-o", "r.json"];
-    fit(here, &[&files[..], &options].concat()).done();
+    let options = "--kernel eq1 --lobe separable --shared a,mu";
+    let files = format!("estimate {manifest} --table {fitted} -o r.json");
+    fit(here, &format!("{files} {options}")).done();
 
     let predict = |table: &str, incidence: &str| {
-        let places = [
-            "--distance",
-            "300",
-            "--incidence",
-            incidence,
-            "--azimuth",
-            "30",
-            "--json",
-        ];
-        fit(
-            here,
-            &[&["predict", "r.json", "--table", table], &places[..]].concat(),
-        )
+        let places = format!("--distance 300 --incidence {incidence} --azimuth 30 --json");
+        fit(here, &format!("predict r.json --table {table} {places}"))
     };
     let mtf50 = |text: &str| -> f64 {
         let report: Value = serde_json::from_str(text).unwrap();
@@ -41,20 +30,10 @@ fn any_table_of_the_fitted_cell_predicts() {
     // Within the photographs (150 and 300 mm, 0 to 45 degrees) nothing is said of them. Beyond them
     // a warning says so, and the JSON names the key.
     assert!(!between.err.contains("outside"), "{}", between.err);
-    let beyond = [
-        "predict",
-        "r.json",
-        "--table",
-        &fitted,
-        "--distance",
-        "200,400",
-        "--incidence",
-        "15",
-        "--azimuth",
-        "30",
-        "--frequency",
-        "0,2",
-    ];
+    let beyond = format!(
+        "predict r.json --table {fitted} --distance 200,400 --incidence 15 --azimuth 30 \
+            --frequency 0,2"
+    );
     let csv = fit(here, &beyond);
     let said = "warning: distance 400 mm lies outside of the photographs (150 to 300 mm)";
     assert!(csv.err.contains(said), "{}", csv.err);
@@ -83,7 +62,7 @@ fn any_table_of_the_fitted_cell_predicts() {
         assert_eq!(row[12], outside);
     }
     // MTF50 does not depend on the frequencies that are listed.
-    let few = fit(here, &[&beyond[..], &["--json"]].concat()).out;
+    let few = fit(here, &format!("{beyond} --json")).out;
     let report: Value = serde_json::from_str(&few).unwrap();
     let all = predict(&fitted, "15").done();
     assert_eq!(
@@ -119,9 +98,9 @@ fn any_table_of_the_fitted_cell_predicts() {
 
     // `--model` is allowed if it names the model of the result.
     let named = |model: &str| {
-        let places = ["--distance", "300", "--incidence", "15", "--azimuth", "30"];
-        let files = ["predict", "r.json", "--table", &fitted, "--model", model];
-        fit(here, &[&files[..], &places].concat())
+        let places = "--distance 300 --incidence 15 --azimuth 30";
+        let files = format!("predict r.json --table {fitted} --model {model}");
+        fit(here, &format!("{files} {places}"))
     };
     named("proposed").done();
     let refused = named("saito");

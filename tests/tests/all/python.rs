@@ -8,16 +8,12 @@ use tests::program::python;
 #[test]
 fn a_baked_table_opens_in_h5py_and_xarray() {
     let folder = tempfile::tempdir().unwrap();
-    let mut read = 0;
-    for method in [
-        &["--method", "rays", "--rays", "1048576"][..],
-        &["--method", "exact"],
-    ] {
+    for method in ["--method rays --rays 1048576", "--method exact"] {
         let table = bake_table_with(folder.path(), "triangular", "0,10,35", "0,30", method);
         let output = Command::new(python())
             .arg(argument("tests/tests/read_table.py"))
             .arg(folder.path().join(table))
-            .arg(method[1])
+            .arg(method.split(' ').nth(1).unwrap())
             .output()
             .unwrap();
         let (out, err) = (
@@ -26,9 +22,7 @@ fn a_baked_table_opens_in_h5py_and_xarray() {
         );
         assert!(output.status.success(), "{method:?}: {out}{err}");
         assert_eq!(out.trim(), "read 6 directions twice", "{err}");
-        read += 1;
     }
-    assert_eq!(read, 2);
 }
 
 /// `paths_between` of `read_table.py` against the exact method at an incidence between two of the
@@ -37,8 +31,7 @@ fn a_baked_table_opens_in_h5py_and_xarray() {
 #[test]
 fn polygons_between_incidences_are_those_of_the_exact_method() {
     let folder = tempfile::tempdir().unwrap();
-    let exact = ["--method", "exact"];
-    let mut compared = 0;
+    let exact = "--method exact";
     for (design, around, between, azimuth, tolerance) in [
         ("triangular", "0,10", "6", "10", "1e-12"),
         ("triangular", "20,30", "26", "10", "1e-12"),
@@ -47,10 +40,10 @@ fn polygons_between_incidences_are_those_of_the_exact_method() {
         ("full-cube", "10,20", "16", "0", "1e-12"),
         ("full-cube", "10,20", "16", "10", "3e-4"),
     ] {
-        let table = bake_table_with(folder.path(), design, around, azimuth, &exact);
+        let table = bake_table_with(folder.path(), design, around, azimuth, exact);
         let table = std::fs::rename(folder.path().join(table), folder.path().join("around.h5"));
         table.expect("renames");
-        let truth = bake_table_with(folder.path(), design, between, azimuth, &exact);
+        let truth = bake_table_with(folder.path(), design, between, azimuth, exact);
         let output = Command::new(python())
             .arg(argument("tests/tests/read_between.py"))
             .arg(argument("tables"))
@@ -64,7 +57,5 @@ fn polygons_between_incidences_are_those_of_the_exact_method() {
             "{design} {around} {azimuth}: {err}"
         );
         std::fs::remove_file(folder.path().join(truth)).expect("removes");
-        compared += 1;
     }
-    assert_eq!(compared, 6);
 }

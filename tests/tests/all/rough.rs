@@ -16,27 +16,13 @@ fn the_blur_of_rough_facets_grows_with_the_distance() {
     let (alpha, index) = (5e-4, 1.49_f64);
     let manifest = argument("tests/captures/public_shared/captures.toml");
     let smooth = bake_table(here, "triangular-pair", "0:45:15", "30");
-    let options = ["--kernel", "eq1", "--lobe", "separable", "--shared", "a,mu"];
-    let files = ["estimate", &manifest, "--table", &smooth, "-o", "r.json"];
-    fit(here, &[&files[..], &options].concat()).done();
-    let files = [
-        "trace",
-        "triangular-pair.obj",
-        "-o",
-        "rough.h5",
-        "--method",
-        "rays",
-    ];
-    let light = [
-        "--refractive-index",
-        "1.49",
-        "--incidence",
-        "0,30",
-        "--azimuth",
-        "30",
-    ];
-    let rough = ["--rays", "1048576", "--roughness", "0.0005"];
-    bake(here, &[&files[..], &light, &rough].concat()).done();
+    let options = "--kernel eq1 --lobe separable --shared a,mu";
+    let files = format!("estimate {manifest} --table {smooth} -o r.json");
+    fit(here, &format!("{files} {options}")).done();
+    let files = "trace triangular-pair.obj -o rough.h5 --method rays";
+    let light = "--refractive-index 1.49 --incidence 0,30 --azimuth 30";
+    let rough = "--rays 1048576 --roughness 0.0005";
+    bake(here, &format!("{files} {light} {rough}")).done();
     // A result belongs to the options of its table. The options are changed here, so that this
     // result can be used with the table of rough facets.
     let result = std::fs::read_to_string(here.join("r.json")).unwrap();
@@ -44,18 +30,10 @@ fn the_blur_of_rough_facets_grows_with_the_distance() {
     result["table"]["cell"]["options"] = "--roughness 0.0005".into();
     std::fs::write(here.join("rough.json"), result.to_string()).unwrap();
     let predicted = |[result, table]: [&str; 2]| -> Value {
-        let places = [
-            "--distance",
-            "75,150,300",
-            "--incidence",
-            "0,30",
-            "--azimuth",
-            "30",
-            "--json",
-        ];
-        let files = ["predict", result, "--table", table];
+        let places = "--distance 75,150,300 --incidence 0,30 --azimuth 30 --json";
+        let files = format!("predict {result} --table {table}");
         // 75 mm lies outside of the photographs, which a warning says.
-        let run = fit(here, &[&files[..], &places].concat());
+        let run = fit(here, &format!("{files} {places}"));
         assert_eq!(run.code, Some(0), "{}", run.err);
         serde_json::from_str(&run.out).unwrap()
     };

@@ -48,49 +48,24 @@ fn sheets_return_what_exact_bakes_between_their_directions_do() {
         ("prism-0.1", "triangular-pair", "1.49", prisms),
         ("hollow-0.2", "full-cube", "1", hollow),
     ];
-    let losses = [
-        "--losses",
-        "fresnel",
-        "--metal",
-        "aluminium",
-        "--wavelength-nm",
-        "550",
-    ];
+    let losses = "--losses fresnel --metal aluminium --wavelength-nm 550";
     let (mut compared, mut dim) = (0, 0);
     for (sheet, design, index, incidences) in sheets {
-        bake(here, &["design", design, "-o", "cell.obj"]).done();
-        let directions = ["--incidence", incidences, "--azimuth", azimuths];
-        let words = [
-            "trace",
-            "cell.obj",
-            "--refractive-index",
-            index,
-            "--bins",
-            "8",
-        ];
-        let trace = |name: &str, options: &[&str]| {
+        bake(here, &format!("design {design} -o cell.obj")).done();
+        let directions = format!("--incidence {incidences} --azimuth {azimuths}");
+        let words = format!("trace cell.obj --refractive-index {index} --bins 8");
+        let trace = |name: &str, options: &str| {
             let made = run(
                 "bake",
                 here,
-                &[&words[..], &directions, &["-o", name], options].concat(),
+                &format!("{words} {directions} -o {name} {options}"),
             );
             assert_eq!(made.code, Some(0), "{}", made.err);
             tables::read(&here.join(name)).unwrap()
         };
-        let (ideal, lossy) = (trace("ideal.h5", &[]), trace("lossy.h5", &losses));
-        let words = [
-            "predict",
-            "--sheet",
-            sheet,
-            "--distance",
-            "1000",
-            "--half-mirror",
-            "1",
-        ];
-        let made = fit(
-            here,
-            &[&words[..], &directions, &["--frequency", "1", "--json"]].concat(),
-        );
+        let (ideal, lossy) = (trace("ideal.h5", ""), trace("lossy.h5", losses));
+        let words = format!("predict --sheet {sheet} --distance 1000 --half-mirror 1");
+        let made = fit(here, &format!("{words} {directions} --frequency 1 --json"));
         let found: serde_json::Value = serde_json::from_str(&made.out).unwrap();
         for place in found["predictions"].as_array().unwrap() {
             let number = |key: &str| place[key].as_f64().unwrap();
@@ -137,26 +112,14 @@ fn a_picture_needs_one_command() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let sign = argument("doc/sign.png");
-    let help = fit(here, &["render", "--help"]).done();
+    let help = fit(here, "render --help").done();
     let names = ["prism-0.1", "prism-0.2", "hollow-0.2", "published"];
     for name in names {
         assert!(help.contains(&format!("- {name}:")), "{name} in the help");
-        let words = [
-            "render",
-            "--source",
-            &sign,
-            "--sheet",
-            name,
-            "--width",
-            "200",
-            "--distance",
-            "1000",
-            "--incidence",
-            "10",
-            "-o",
-            "air.png",
-            "--json",
-        ];
+        let words = format!(
+            "render --source {sign} --sheet {name} --width 200 --distance 1000 --incidence 10 -o \
+                air.png --json"
+        );
         let made = fit(here, &words);
         assert!(made.err.contains("is no measured sheet"), "{}", made.err);
         assert_eq!(made.code, Some(0), "{}", made.err);
@@ -173,29 +136,24 @@ fn what_is_no_sheet_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let table = argument("tables/tests/kept/version_1_exact.h5");
-    let place = ["--distance", "300", "--incidence", "10"];
-    let cases: [(&[&str], i32, &str); 5] = [
-        (&["--sheet", "prism"], 2, "prism-0.1"),
+    let place = "--distance 300 --incidence 10";
+    let cases: [(&str, i32, &str); 5] = [
+        ("--sheet prism", 2, "prism-0.1"),
+        ("--sheet prism-0.1 --c 0.2", 2, "cannot be used with"),
         (
-            &["--sheet", "prism-0.1", "--c", "0.2"],
+            "--sheet prism-0.1 --wavelength-nm 500",
             2,
             "cannot be used with",
         ),
+        ("--mu 0.5", 2, "name a sheet"),
         (
-            &["--sheet", "prism-0.1", "--wavelength-nm", "500"],
-            2,
-            "cannot be used with",
-        ),
-        (&["--mu", "0.5"], 2, "name a sheet"),
-        (
-            &["--sheet", "hollow-0.2", "--table", &table],
+            &format!("--sheet hollow-0.2 --table {table}"),
             2,
             "--sheet hollow-0.2 is a sheet of full-cube",
         ),
     ];
     for (words, code, text) in cases {
-        let all: Vec<&str> = [&["predict"], words, &place].concat();
-        let refused = fit(here, &all);
+        let refused = fit(here, &format!("predict {words} {place}"));
         assert_eq!(refused.code, Some(code), "{words:?}: {}", refused.err);
         assert!(refused.err.contains(text), "{words:?}: {}", refused.err);
     }

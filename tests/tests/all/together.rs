@@ -9,24 +9,14 @@ use tests::program::bake;
 fn two_bakes_to_one_file_leave_one_of_them_whole() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    bake(here, &["design", "triangular", "-o", "cell.obj"]).done();
+    bake(here, "design triangular -o cell.obj").done();
     let trace = |seed: &str, file: &str| {
-        let options = [
-            "--method",
-            "rays",
-            "--rays",
-            "65536",
-            "--bins",
-            "64",
-            "--seed",
-            seed,
-            "--refractive-index",
-            "1",
-        ];
-        let words = [&["trace", "cell.obj", "-o", file][..], &options].concat();
+        let options =
+            format!("--method rays --rays 65536 --bins 64 --seed {seed} --refractive-index 1");
+        let words = format!("trace cell.obj -o {file} {options}");
         bake(here, &words).done()
     };
-    let inspect = |file: &str| bake(here, &["inspect", file]).done();
+    let inspect = |file: &str| bake(here, &format!("inspect {file}")).done();
     trace("1", "first.h5");
     trace("2", "second.h5");
     let known = [inspect("first.h5"), inspect("second.h5")];

@@ -11,15 +11,15 @@ fn waves_from_photographs_to_prediction() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let params = argument("tests/tests/all/planted/wave.toml");
-    fit(here, &["simulate", &params, "-o", "waves"]).done();
+    fit(here, &format!("simulate {params} -o waves")).done();
     let table = bake_table(here, "triangular-pair", "0,30", "30");
     let manifest = "waves/captures.toml";
     // mu is shared by an option. Otherwise BIC gives the two incidences different values of mu by
     // chance in 2 of 100 campaigns.
-    let shared = ["--shared", "mu"];
-    let files = ["estimate", manifest, "--table", &table, "-o", "r.json"];
+    let shared = "--shared mu";
+    let files = format!("estimate {manifest} --table {table} -o r.json");
     // The manifest names the wavelengths, so `--kernel auto` tries `wave`.
-    fit(here, &[&files[..], &shared].concat()).done();
+    fit(here, &format!("{files} {shared}")).done();
     let result = json(&here.join("r.json"));
     assert_eq!(result["kernel"], "wave");
     assert_eq!(result["wavelength_nm"], "450:0.2,550:0.5,620:0.3");
@@ -42,25 +42,10 @@ fn waves_from_photographs_to_prediction() {
         assert!(number.score().abs() < 4.5, "{number:?}");
     }
 
-    let places = [
-        "--distance",
-        "150",
-        "--incidence",
-        "0",
-        "--azimuth",
-        "30",
-        "--frequency",
-        "0,1",
-    ];
+    let places = "--distance 150 --incidence 0 --azimuth 30 --frequency 0,1";
     let predict = |table: &str| {
-        fit(
-            here,
-            &[
-                &["predict", "r.json", "--table", table, "--json"],
-                &places[..],
-            ]
-            .concat(),
-        )
+        let line = format!("predict r.json --table {table} --json {places}");
+        fit(here, &line)
     };
     let report: Value = serde_json::from_str(&predict(&table).done()).unwrap();
     for place in report["predictions"].as_array().unwrap() {
@@ -74,14 +59,12 @@ fn waves_from_photographs_to_prediction() {
     // A table of rays holds no polygons, which the kernel `wave` needs.
     let sampled = here.join("sampled");
     std::fs::create_dir(&sampled).unwrap();
-    let options = ["--method", "rays", "--rays", "65536"];
-    let rays = bake_table_with(&sampled, "triangular-pair", "0,30", "30", &options);
+    let options = "--method rays --rays 65536";
+    let rays = bake_table_with(&sampled, "triangular-pair", "0,30", "30", options);
     let rays = sampled.join(rays).display().to_string();
     let estimate = |table: &str, manifest: &str, kernel: &str| {
-        fit(
-            here,
-            &["estimate", manifest, "--table", table, "--kernel", kernel],
-        )
+        let line = format!("estimate {manifest} --table {table} --kernel {kernel}");
+        fit(here, &line)
     };
     let refused = estimate(&rays, manifest, "wave");
     assert_eq!(refused.code, Some(1));
@@ -109,24 +92,17 @@ fn waves_from_photographs_to_prediction() {
     let refused = estimate(&table, "waves/dark.toml", "wave");
     assert_eq!(refused.code, Some(1));
     assert!(refused.err.contains("--wavelength-nm"), "{}", refused.err);
-    let files = [
-        "estimate",
-        "waves/dark.toml",
-        "--table",
-        &table,
-        "--kernel",
-        "wave",
-    ];
-    let named = ["--wavelength-nm", "450:0.2,550:0.5,620:0.3", "--json"];
+    let files = format!("estimate waves/dark.toml --table {table} --kernel wave");
+    let named = "--wavelength-nm 450:0.2,550:0.5,620:0.3 --json";
     let again: Value =
-        serde_json::from_str(&fit(here, &[&files[..], &named].concat()).done()).unwrap();
+        serde_json::from_str(&fit(here, &format!("{files} {named}")).done()).unwrap();
     assert_eq!(again["c_mm"], result["c_mm"]);
 
     // The output says which form of material is a draft.
     for (form, drafts) in [("openpbr", 1), ("materialx", 0), ("gltf", 1)] {
-        let files = ["export", "r.json", "--table", &table, "--to", form];
-        let place = ["--distance", "150", "--azimuth", "30"];
-        let made = fit(here, &[&files[..], &place].concat());
+        let files = format!("export r.json --table {table} --to {form}");
+        let place = "--distance 150 --azimuth 30";
+        let made = fit(here, &format!("{files} {place}"));
         assert_eq!(made.code, Some(0), "{}", made.err);
         let said = made.err.lines().filter(|line| line.contains("draft"));
         assert_eq!(said.count(), drafts, "{form}: {}", made.err);
@@ -136,7 +112,7 @@ fn waves_from_photographs_to_prediction() {
     // of whatever uses them says so.
     let bare = here.join("bare");
     std::fs::create_dir(&bare).unwrap();
-    let total = bake_table_with(&bare, "triangular-pair", "0,30", "30", &["--back", "tir"]);
+    let total = bake_table_with(&bare, "triangular-pair", "0,30", "30", "--back tir");
     let total = bare.join(total).display().to_string();
     let tried = estimate(&total, manifest, "auto");
     assert_eq!(tried.code, Some(0), "{}", tried.err);
@@ -145,23 +121,21 @@ fn waves_from_photographs_to_prediction() {
         "{}",
         tried.err
     );
-    let files = ["estimate", manifest, "--table", &total, "--kernel", "wave"];
-    let named = fit(here, &[&files[..], &["--json", "-o", "bare.json"]].concat());
+    let files = format!("estimate {manifest} --table {total} --kernel wave");
+    let named = fit(here, &format!("{files} --json -o bare.json"));
     let sign = argument("doc/sign.png");
-    let numbers = ["--c", "0.2", "--wavelength-nm", "550"];
-    let sheet = [&["--table", &total][..], &numbers].concat();
-    let picture = [
-        "render", "--source", &sign, "--width", "100", "-o", "air.png",
-    ];
-    let page = ["explore", "-o", "page.html", "--json"];
-    let place = ["--distance", "150", "--incidence", "0", "--json"];
-    let held = ["predict", "bare.json", "--table", &total];
+    let numbers = "--c 0.2 --wavelength-nm 550";
+    let sheet = format!("--table {total} {numbers}");
+    let picture = format!("render --source {sign} --width 100 -o air.png");
+    let page = "explore -o page.html --json";
+    let place = "--distance 150 --incidence 0 --json";
+    let held = format!("predict bare.json --table {total}");
     let runs = [
         named,
-        fit(here, &[&held[..], &place].concat()),
-        fit(here, &[&["predict"], &sheet[..], &place].concat()),
-        fit(here, &[&picture[..], &sheet, &place].concat()),
-        fit(here, &[&page[..], &sheet].concat()),
+        fit(here, &format!("{held} {place}")),
+        fit(here, &format!("predict {sheet} {place}")),
+        fit(here, &format!("{picture} {sheet} {place}")),
+        fit(here, &format!("{page} {sheet}")),
     ];
     for made in &runs {
         assert_eq!(made.code, Some(0), "{}: {}", made.line, made.err);
@@ -177,8 +151,8 @@ fn waves_from_photographs_to_prediction() {
 
     // Cubes smaller than the light are no subject of these waves either.
     for (c, said) in [("0.00001", true), ("0.2", false)] {
-        let numbers = ["--c", c, "--wavelength-nm", "550", "--table", &table];
-        let made = fit(here, &[&["predict"], &numbers[..], &place].concat());
+        let numbers = format!("--c {c} --wavelength-nm 550 --table {table}");
+        let made = fit(here, &format!("predict {numbers} {place}"));
         assert_eq!(made.code, Some(0), "{}", made.err);
         assert_eq!(
             made.err.contains("longest wavelength"),
@@ -211,49 +185,30 @@ fn waves_are_continuous_in_the_errors_of_cubes() {
     let exact = [[0.8983, 0.7978, 0.6098], [0.9100, 0.8173, 0.6337]];
     let with_errors = [[0.8966, 0.7922, 0.5967], [0.9082, 0.8117, 0.6205]];
     let errors = |mrad: &str| format!("--dihedral-error-mrad={mrad},{mrad},{mrad}");
-    let edge = ["--edge-length", "0.2"];
-    let cases: [(&str, Vec<String>, f64, bool); 8] = [
-        ("0.obj", vec![], 2e-4, false),
-        ("single.glb", vec![], 2e-4, false),
-        ("six.obj", vec![], 0.01, false),
-        ("a.obj", vec![errors("5e-7")], 2e-4, false),
-        ("b.obj", vec![errors("1e-4")], 2e-4, false),
-        ("c.obj", vec![errors("0.001")], 5e-4, false),
-        ("d.obj", vec![errors("0.01")], 4e-3, false),
-        ("e.obj", vec![errors("0.05")], 0.015, true),
+    let edge = "--edge-length 0.2";
+    let cases: [(&str, &str, f64, bool); 8] = [
+        ("0.obj", "", 2e-4, false),
+        ("single.glb", "", 2e-4, false),
+        ("six.obj", "", 0.01, false),
+        ("a.obj", &errors("5e-7"), 2e-4, false),
+        ("b.obj", &errors("1e-4"), 2e-4, false),
+        ("c.obj", &errors("0.001"), 5e-4, false),
+        ("d.obj", &errors("0.01"), 4e-3, false),
+        ("e.obj", &errors("0.05"), 0.015, true),
     ];
     let mut compared = 0;
     for (mesh, options, allowed, warned) in &cases {
-        let options: Vec<&str> = options.iter().map(String::as_str).collect();
-        let words = ["design", "triangular-pair", "-o", mesh];
-        bake(here, &[&words[..], &edge, &options].concat());
+        let words = format!("design triangular-pair -o {mesh}");
+        bake(here, &format!("{words} {edge} {options}"));
         if *mesh == "six.obj" {
             rounded(&here.join(mesh), 6);
         }
-        let words = ["trace", mesh, "-o", "t.h5", "--refractive-index", "1.49"];
-        let made = bake(
-            here,
-            &[&words[..], &["--incidence", "0", "--azimuth", "0"]].concat(),
-        );
+        let words = format!("trace {mesh} -o t.h5 --refractive-index 1.49");
+        let made = bake(here, &format!("{words} --incidence 0 --azimuth 0"));
         assert_eq!(made.code, Some(0), "{mesh}: {}", made.err);
-        let words = [
-            "predict",
-            "--table",
-            "t.h5",
-            "--c",
-            "0.2",
-            "--wavelength-nm",
-            "550",
-        ];
-        let place = [
-            "--distance",
-            "150",
-            "--incidence",
-            "0",
-            "--frequency",
-            "0.15,0.3,0.6",
-        ];
-        let made = fit(here, &[&words[..], &place, &["--json"]].concat());
+        let words = "predict --table t.h5 --c 0.2 --wavelength-nm 550";
+        let place = "--distance 150 --incidence 0 --frequency 0.15,0.3,0.6";
+        let made = fit(here, &format!("{words} {place} --json"));
         assert_eq!(made.code, Some(0), "{mesh}: {}", made.err);
         assert_eq!(
             made.err.contains("takes them as exact"),

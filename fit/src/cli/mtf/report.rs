@@ -346,7 +346,6 @@ mod tests {
         let ratio = plain.signal_to_noise * NOISE / contrast;
         assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
         let falls = |level: f64| (-0.5 * level.ln()).sqrt() / (std::f64::consts::PI * SIGMA_PX);
-        let mut cases = 0;
         for (k, level) in [0.5_f64, 0.1].into_iter().enumerate() {
             let [own, in_mm] = [&plain, &scaled].map(|report| report.levels[k].expect("it falls"));
             let error = own.cycles_per_pixel_standard_error;
@@ -384,10 +383,8 @@ mod tests {
                     (found / expected - 1.0).abs() < 1e-9,
                     "{level}: {found} {expected}"
                 );
-                cases += 1;
             }
         }
-        assert_eq!(cases, 18);
         let [one, other] = [&plain.at[0], &scaled.at[0]];
         let known = (-2.0 * (std::f64::consts::PI * SIGMA_PX * 0.2).powi(2)).exp();
         assert!(

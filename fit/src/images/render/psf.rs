@@ -218,7 +218,6 @@ mod tests {
     /// 1/(30 rim^5), which is 2 % of the sum at a rim of 1.
     #[test]
     fn what_is_cut_off_is_bounded_by_the_sum_beyond_the_rim() {
-        let mut cases = 0;
         for half in [2, 4, 8] {
             let rim = 0.5 * half as f64;
             let terms = (0..1_000_000).map(|m| (PI * (rim + f64::from(m))).powi(-2));
@@ -227,8 +226,6 @@ mod tests {
             let found = cut_off(&|_, _| Complex64::ONE, [5, 5], half);
             let ratio = found / (4.0 * sum);
             assert!((1.0 - 1e-9..1.02).contains(&ratio), "{half}: {ratio}");
-            cases += 1;
         }
-        assert_eq!(cases, 3);
     }
 }

@@ -183,7 +183,6 @@ mod tests {
         let xs: Vec<f32> = (0..1000).map(|i| (i as f32 * 0.37).sin()).collect();
         let ys: Vec<f32> = (0..1000).map(|i| (i as f32 * 0.11).cos()).collect();
         let zs: Vec<f32> = (0..1000).map(|i| (i as f32 * 0.07).sin()).collect();
-        let mut cases = 0;
         for distance in [-300.0, -40.0, -1.3, 0.0, 0.4, 2.0, 7.0, 300.0] {
             let scale = [90.0, 40.0, 25.0];
             let all = texture.sums(distance, scale, [&xs, &ys, &zs]);
@@ -195,8 +194,6 @@ mod tests {
             for (all, one) in all.iter().zip(one_by_one) {
                 assert!((f64::from(*all) - one).abs() < 1000.0 * 6e-8 * one.abs().max(1.0));
             }
-            cases += 1;
         }
-        assert_eq!(cases, 8);
     }
 }

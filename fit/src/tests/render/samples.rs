@@ -56,7 +56,6 @@ fn samples_meet_the_transforms_within_their_error() {
         plane.fill(0.0);
         plane[(height / 2) * width + width / 2] = 1.0;
     }
-    let mut cases = 0;
     for (kernel, lobe) in [
         ("eq1", Some("radial")),
         ("eq1", Some("separable")),
@@ -104,11 +103,9 @@ fn samples_meet_the_transforms_within_their_error() {
                     "{kernel} {lobe:?} {sequence:?}: {distance} against {error}"
                 );
                 assert_eq!(seen[0].energy, psf.energy);
-                cases += 1;
             }
         }
     }
-    assert_eq!(cases, 20);
     let wave = result("wave", None, &table);
     let sheet = Fitted::new(&wave, &table).unwrap();
     let refused = sampled::uniform(

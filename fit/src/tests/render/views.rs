@@ -25,7 +25,6 @@ pub(crate) fn view(far: f64, turn_deg: f64, mirror: bool) -> String {
 
 #[test]
 fn a_far_camera_sees_the_uniform_scene() {
-    let mut cases = 0;
     for mirror in [false, true] {
         let view = load(&view(1e7, 20.0, mirror)).unwrap();
         assert_eq!(view.coating, Some(1.5));
@@ -54,11 +53,9 @@ fn a_far_camera_sees_the_uniform_scene() {
             let down = if mirror { 10.0 } else { -10.0 };
             for (value, expected) in [(a, 10.0), (b, 0.0), (c, 0.0), (d, down)] {
                 assert!((value - expected).abs() < 1e-3, "{:?}", seen.pixels_from_mm);
-                cases += 1;
             }
         }
     }
-    assert_eq!(cases, 24);
 }
 
 #[test]
@@ -66,7 +63,6 @@ fn a_near_camera_sees_what_trigonometry_says() {
     // If the sheet faces the camera, the incidence is the angle of the ray. The mirrored picture is
     // twice as far behind.
     let view = load(&view(600.0, 0.0, false)).unwrap();
-    let mut cases = 0;
     for x in [-1500.0, -10.0, 700.0] {
         let seen = view.at([x, 0.0]).unwrap();
         let tangent = 0.1 * x / 600.0_f64;
@@ -85,9 +81,7 @@ fn a_near_camera_sees_what_trigonometry_says() {
             (mirrored[0] - x * 1200.0 / 600.0).abs() < 1e-6,
             "{mirrored:?}"
         );
-        cases += 1;
     }
-    assert_eq!(cases, 3);
     assert!((view::fresnel(1.5, 0.0) - 0.04).abs() < 1e-15);
     // At Brewster's angle only half of the light is reflected at all: sin^2(i - t)/2 with i + t =
     // 90 degrees.
