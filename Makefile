@@ -92,6 +92,8 @@ test: fmt lint doc python
 	@sort "$(SKIPPED)" 2>/dev/null | uniq -c | sed 's/^ */skipped tests: /' || true
 SKIPPED = $(abspath $(TARGET))/skipped
 
+FIT = -p fit -p edges -p estimator -p lab -p pictures
+
 # The long parts that need nothing more than `test` does: `.ci/run` runs one of them after it.
 PARTS = test-statistics test-slowest test-package test-kills
 .PHONY: $(PARTS) parts
@@ -105,12 +107,12 @@ test-full: test $(PARTS) test-lean test-mpi test-raw test-mitsuba test-materialx
 # With airr, whose macros want other features: nothing is compiled anew.
 test-statistics: rust tools
 	@echo "== stated errors over hundreds of drawn campaigns, and other long tests of fit" >&2
-	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored \
+	@$(CARGO) test $(FIT) -p airr --lib --locked -- --ignored \
 		$(addprefix --skip ,$(SLOWEST))
 
 test-slowest: rust tools
 	@echo "== the slowest statistics of fit, its pages in a browser, and uneven cubes" >&2
-	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored $(SLOWEST)
+	@$(CARGO) test $(FIT) -p airr --lib --locked -- --ignored $(SLOWEST)
 	@$(CARGO) build --workspace --locked
 	@$(CARGO) test -p tests --test all --locked -- --ignored explore:: deviations::
 SLOWEST = statistics_near_full_scale statistics_of_uneven_light statistics_of_bounds \
@@ -143,8 +145,8 @@ test-lean: rust tools
 # The optional feature of camera raw, which brings a crate under another licence.
 test-raw: rust tools
 	@echo "== camera raw" >&2
-	@$(CARGO) clippy -p fit --features raw --all-targets --locked -- -D warnings
-	@$(CARGO) test -p fit --features raw --lib --locked -- tests::raw tests::photographs
+	@$(CARGO) clippy -p fit -p lab --features fit/raw,lab/raw --all-targets --locked -- -D warnings
+	@$(CARGO) test -p edges -p lab --features lab/raw --lib --locked -- tests::raw tests::photographs
 
 # A minute of random files for each reader of files; hours are in CONTRIBUTING.md. libhdf5 asks for
 # as much memory as a damaged file says. In `airr-reader` a limit refuses that; here it is allowed.

@@ -53,94 +53,54 @@
 //! assert!((c.value - 0.33).abs() < 4.0 * c.standard_error);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//!
-//! # Rooms
-//! Each folder is a room. A room imports only the rooms before it in this list:
-//!
-//! - `numerics`: mathematics.
-//! - `names`: kernels, lobes, parameters.
-//! - `document`: TOML.
-//! - `photographs`: files to edges.
-//! - `model`: the transfer function of the blur.
-//! - `samples`: the blur by samples.
-//! - `simulate`: photographs with a planted answer, computed in another way than by the model.
-//! - `compare`: a model seen through a photograph's estimator.
-//! - `estimate`: c, a and mu with their errors.
-//! - `result`: the file `result.json`.
-//! - `predict`: MTF and luminance at other distances and angles.
-//! - `images`: pictures through a sheet (a feature).
-//! - `explore`: the page with sliders (two features).
-//! - `study`: the quality of estimates.
-//! - `report`: plots and the HTML page (a feature).
-//! - `cli`: the program.
 
 #![forbid(unsafe_code)]
 #![warn(unreachable_pub)]
-// Two rooms are features. Without them some items of the rooms below have no user.
 #![cfg_attr(
-    not(all(feature = "images", feature = "report")),
+    not(feature = "full"),
     allow(
         unused_imports,
         dead_code,
         unreachable_pub,
-        reason = "rooms of features use it"
+        reason = "the verbs that are left out use it"
     )
 )]
-
 pub mod cli;
-mod compare;
-mod document;
-mod estimate;
-#[cfg(all(feature = "images", feature = "report"))]
-mod explore;
-#[cfg(feature = "images")]
-mod images;
-mod model;
-mod names;
-mod numerics;
-mod photographs;
-mod predict;
-#[cfg(feature = "report")]
-mod report;
-mod result;
-mod samples;
-mod simulate;
-mod study;
-#[cfg(test)]
-mod tests;
 
-pub use crate::estimate::Bound;
-pub use crate::estimate::Candidates;
-pub use crate::estimate::Error;
-pub use crate::estimate::Estimate;
-pub use crate::estimate::Kind as LossKind;
-pub use crate::estimate::campaign::campaign as estimate_campaign;
-pub use crate::estimate::{Chances, Goodness, Verdict, Worst};
-pub use crate::estimate::{Choice, Value};
-pub use crate::estimate::{Effect, Given, Trusted};
-pub use crate::estimate::{Estimated, Options};
-pub use crate::estimate::{OtherTable, Suspect};
-pub use crate::estimate::{Step, Watch};
-pub use crate::names::Kernel;
-pub use crate::names::LobeShape;
-pub use crate::names::Spectrum;
-pub use crate::names::{ParameterId, ParameterKind};
-pub use crate::photographs::Measurement;
-pub use crate::photographs::captures::load as load_campaign;
-pub use crate::photographs::measure::edge as measure_edge;
-pub use crate::photographs::photo::channel::Decode;
-pub use crate::photographs::photo::exif::Settings;
-pub use crate::photographs::photo::held::Held;
-pub use crate::photographs::photo::load as load_photo;
-pub use crate::photographs::photo::load_colour;
-pub use crate::photographs::photo::picture::{Picture, Writing};
-pub use crate::photographs::photo::plane::Photo;
-pub use crate::photographs::photo::taken::Taken;
-pub use crate::photographs::photo::transfer::Transfer;
-pub use crate::photographs::{Campaign, Capture, Setup, Shot};
-pub use crate::photographs::{Estimator, crossing};
-pub use crate::predict::{Places, Prediction, predict as predict_mtf};
-pub use crate::result::ResultFile;
-pub use crate::result::TableResult;
-pub use crate::simulate::Params as SimulationParams;
-pub use crate::study::Ranges as StudyRanges;
+pub use edges::names::Kernel;
+pub use edges::names::LobeShape;
+pub use edges::names::Spectrum;
+pub use edges::names::{ParameterId, ParameterKind};
+pub use edges::photographs::Measurement;
+pub use edges::photographs::captures::load as load_campaign;
+pub use edges::photographs::measure::edge as measure_edge;
+pub use edges::photographs::photo::channel::Decode;
+pub use edges::photographs::photo::exif::Settings;
+pub use edges::photographs::photo::held::Held;
+pub use edges::photographs::photo::load as load_photo;
+pub use edges::photographs::photo::load_colour;
+pub use edges::photographs::photo::picture::{Picture, Writing};
+pub use edges::photographs::photo::plane::Photo;
+pub use edges::photographs::photo::taken::Taken;
+pub use edges::photographs::photo::transfer::Transfer;
+pub use edges::photographs::{Campaign, Capture, Setup, Shot};
+pub use edges::photographs::{Estimator, crossing};
+pub use estimator::estimate::Bound;
+pub use estimator::estimate::Candidates;
+pub use estimator::estimate::Error;
+pub use estimator::estimate::Estimate;
+pub use estimator::estimate::Kind as LossKind;
+pub use estimator::estimate::campaign::campaign as estimate_campaign;
+pub use estimator::estimate::{Chances, Goodness, Verdict, Worst};
+pub use estimator::estimate::{Choice, Value};
+pub use estimator::estimate::{Effect, Given, Trusted};
+pub use estimator::estimate::{Estimated, Options};
+pub use estimator::estimate::{OtherTable, Suspect};
+pub use estimator::estimate::{Step, Watch};
+pub use estimator::predict::{Places, Prediction, predict as predict_mtf};
+pub use estimator::result::ResultFile;
+pub use estimator::result::TableResult;
+#[cfg(feature = "full")]
+pub use lab::simulate::Params as SimulationParams;
+#[cfg(feature = "full")]
+pub use lab::study::Ranges as StudyRanges;

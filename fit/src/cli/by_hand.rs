@@ -8,8 +8,8 @@ use tables::Table;
 
 use crate::cli::failure::Failure;
 use crate::cli::parse;
-use crate::names::{Kernel, Spectrum};
-use crate::result::{ByHand, Nominal, ResultFile, Spread, TableResult};
+use edges::names::{Kernel, Spectrum};
+use estimator::result::{ByHand, Nominal, ResultFile, Spread, TableResult};
 
 /// Numbers of a sheet that nobody has fitted. They take the place of a result.
 #[derive(Debug, Clone, clap::Args)]

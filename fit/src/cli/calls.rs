@@ -19,12 +19,12 @@ use crate::cli::estimate::{Estimation, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::host::Host;
 use crate::cli::{estimate, explore, mtf, output, parse, predict, render, simulate, study};
-use crate::estimate::{OtherTable, error};
-use crate::images::UNWATCHED;
-use crate::photographs::photo::held::Held;
-use crate::photographs::photo::picture::Picture;
-use crate::predict::Fitted;
-use crate::result::{Nominal, ResultFile};
+use edges::photographs::photo::held::Held;
+use edges::photographs::photo::picture::Picture;
+use estimator::estimate::{OtherTable, error};
+use estimator::predict::Fitted;
+use estimator::result::{Nominal, ResultFile};
+use pictures::images::UNWATCHED;
 
 pub use crate::cli::host::Caller;
 pub use tables::cli::Refused;

@@ -21,29 +21,29 @@ use crate::cli::progress::Progress;
 use crate::cli::sampled;
 use crate::cli::sampled::Samples;
 use crate::cli::terms::Terms;
-use crate::estimate::Forward;
-use crate::estimate::Kind;
-use crate::estimate::OtherTable;
-use crate::estimate::Watch;
-use crate::estimate::campaign::campaign;
-use crate::estimate::error;
-use crate::estimate::scene::Source;
-use crate::estimate::{Estimated, Options};
-use crate::names::Family;
-use crate::names::Spectrum;
-use crate::photographs::captures;
-use crate::photographs::photo::channel::Channel;
-use crate::photographs::photo::held::Held;
-use crate::photographs::{Campaign, Shot};
-#[cfg(feature = "report")]
-use crate::report::page::evidence::Evidence;
-#[cfg(feature = "report")]
-use crate::report::page::shown::Page;
-#[cfg(feature = "report")]
-use crate::report::plot;
-use crate::result::ResultFile;
-use crate::result::TableResult;
-use crate::simulate::Truth;
+use edges::names::Family;
+use edges::names::Spectrum;
+use edges::photographs::captures;
+use edges::photographs::photo::channel::Channel;
+use edges::photographs::photo::held::Held;
+use edges::photographs::{Campaign, Shot};
+use estimator::estimate::Forward;
+use estimator::estimate::Kind;
+use estimator::estimate::OtherTable;
+use estimator::estimate::Watch;
+use estimator::estimate::campaign::campaign;
+use estimator::estimate::error;
+use estimator::estimate::scene::Source;
+use estimator::estimate::{Estimated, Options};
+use estimator::result::ResultFile;
+use estimator::result::TableResult;
+use estimator::result::Truth;
+#[cfg(feature = "full")]
+use pictures::report::page::evidence::Evidence;
+#[cfg(feature = "full")]
+use pictures::report::page::shown::Page;
+#[cfg(feature = "full")]
+use pictures::report::plot;
 
 /// Estimates a, c and mu of a sheet from photographs of mid-air edges.
 #[derive(Debug, clap::Args)]
@@ -148,14 +148,14 @@ pub(crate) struct Arguments {
     /// File that receives the MTF curves as a picture, .svg.
     ///
     /// The picture shows the measured and the modelled curves.
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// File that receives all results on one page, as HTML.
     ///
     /// The page shows estimates with intervals, curves, the choice of terms, and warnings with
     /// pictures.
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     #[arg(long, value_name = "REPORT.html")]
     pub report: Option<PathBuf>,
     /// Colour channel that is fitted: a name, or each.
@@ -230,7 +230,7 @@ fn several(arguments: &Arguments) -> Option<&[Channel]> {
 /// output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut options = options(arguments)?;
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     if several(arguments).is_some() && (arguments.plot.is_some() || arguments.report.is_some()) {
         return Err(Failure::conflict(
             "fit estimate",
@@ -242,9 +242,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (campaign, expected) = expected::campaign(&arguments.captures, option)?;
     let mut outputs = Outputs::beside(inputs(arguments, &campaign));
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     let page = terminal::reserve(arguments.report.as_deref(), &mut outputs)?;
     let truth: Option<Truth> = arguments
         .truth
@@ -275,17 +275,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         })?);
     }
     #[cfg_attr(
-        not(feature = "report"),
+        not(feature = "full"),
         expect(unused_variables, reason = "the page shows it")
     )]
     let (estimated, result) = pool.install(|| job.run(&options, start))?;
     warn(&result, "");
     let json = output::json(&result);
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     if let Some(output) = picture {
         output.commit(plot::fitted(&result).as_bytes())?;
     }
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     if let Some(page) = page {
         let evidence = pool.install(|| Evidence::of(&estimated));
         let shown = Page {
@@ -320,22 +320,14 @@ pub(super) struct Inputs<'a> {
 
 /// Estimate that another program called.
 pub(super) struct Estimation {
-    #[cfg_attr(
-        not(feature = "report"),
-        expect(dead_code, reason = "the page shows it")
-    )]
     estimated: Estimated,
-    #[cfg_attr(
-        not(feature = "report"),
-        expect(dead_code, reason = "the page shows it")
-    )]
     table: Arc<Table>,
     pub(super) result: ResultFile,
 }
 
 impl Estimation {
     /// Returns the page of the estimate as HTML; `command` is said to have made it.
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     pub(super) fn report(&self, command: &str) -> String {
         let evidence = Evidence::of(&self.estimated);
         let shown = Page {

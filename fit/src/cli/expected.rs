@@ -5,8 +5,8 @@ use std::path::Path;
 use tables::Table;
 
 use crate::cli::failure::Failure;
-use crate::photographs::Campaign;
-use crate::photographs::captures::{self, Manifest};
+use edges::photographs::Campaign;
+use edges::photographs::captures::{self, Manifest};
 
 /// Hash that a table must have, if the user named one, and the option or key that names it.
 #[derive(Debug)]

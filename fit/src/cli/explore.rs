@@ -14,12 +14,12 @@ use crate::cli::output;
 use crate::cli::parse;
 use crate::cli::progress::Progress;
 use crate::cli::render::spacious;
-use crate::explore::{self, Explorer, Source, Span, Start};
-use crate::photographs::photo;
-use crate::photographs::photo::picture::Picture;
-use crate::photographs::photo::transfer::Transfer;
-use crate::predict::{Fitted, NEAR_MM};
-use crate::result::ResultFile;
+use edges::photographs::photo;
+use edges::photographs::photo::picture::Picture;
+use edges::photographs::photo::transfer::Transfer;
+use estimator::predict::{Fitted, NEAR_MM};
+use estimator::result::ResultFile;
+use pictures::explore::{self, Explorer, Source, Span, Start};
 
 /// Writes a page in which you move sliders and see the mid-air image at once.
 #[derive(Debug, clap::Args)]

@@ -2,17 +2,18 @@
 
 use std::path::PathBuf;
 
-use crate::document::FileLine;
-use crate::estimate::error as estimate;
-#[cfg(all(feature = "images", feature = "report"))]
-use crate::explore;
-#[cfg(feature = "images")]
-use crate::images::render;
-use crate::names::Family;
-use crate::photographs::photo::plane::as_shown;
-use crate::photographs::{captures, edge, photo};
-use crate::predict::error as predict;
-use crate::simulate::error as simulate;
+use edges::document::FileLine;
+use edges::names::Family;
+use edges::photographs::photo::plane::as_shown;
+use edges::photographs::{captures, edge, photo};
+use estimator::estimate::error as estimate;
+use estimator::predict::error as predict;
+#[cfg(feature = "full")]
+use lab::simulate::error as simulate;
+#[cfg(feature = "full")]
+use pictures::explore;
+#[cfg(feature = "full")]
+use pictures::images::render;
 
 /// Error that ends a verb.
 #[derive(Debug, thiserror::Error)]
@@ -45,13 +46,14 @@ pub(crate) enum Failure {
     )]
     Evaluate,
     /// Failure of the mid-air image.
-    #[cfg(feature = "images")]
+    #[cfg(feature = "full")]
     #[error(transparent)]
     Render(#[from] render::Error),
     /// Failure of the page with sliders.
-    #[cfg(all(feature = "images", feature = "report"))]
+    #[cfg(feature = "full")]
     #[error(transparent)]
     Explore(#[from] explore::Error),
+    #[cfg(feature = "full")]
     /// Failure of the simulation.
     #[error(transparent)]
     Simulate(#[from] simulate::Error),
@@ -108,7 +110,7 @@ pub(crate) enum Failure {
         image.display(), roi.x, roi.y, roi.width, roi.height, as_shown(*turned))]
     Roi {
         image: PathBuf,
-        roi: crate::photographs::Roi,
+        roi: edges::photographs::Roi,
         width: usize,
         height: usize,
         turned: bool,
@@ -167,7 +169,7 @@ impl Failure {
         match self {
             Failure::Table(tables::Error::PlotExtension(_)) => 2,
             Failure::Frequency { .. } | Failure::Usage(_) => 2,
-            #[cfg(feature = "images")]
+            #[cfg(feature = "full")]
             Failure::Render(render::Error::Ending(_)) => 2,
             _ => 1,
         }

@@ -5,10 +5,10 @@ use std::fmt::Write;
 use tables::cli as terminal;
 
 use crate::cli::parse;
-use crate::estimate::Forward;
-use crate::samples::Sampling;
-use crate::samples::Sequence;
-use crate::study::Speed;
+use estimator::estimate::Forward;
+use estimator::samples::Sampling;
+use estimator::samples::Sequence;
+use lab::study::Speed;
 
 /// Renders that are studied.
 #[derive(Debug, Clone, clap::Args)]

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::cli::failure::Failure;
 use crate::cli::progress::Progress;
-use crate::estimate::Step;
+use estimator::estimate::Step;
 
 /// Program that calls a verb in its own process.
 #[derive(Clone, Copy)]

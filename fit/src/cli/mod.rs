@@ -5,14 +5,16 @@
 //! ends the program.
 
 mod by_hand;
-#[cfg(all(feature = "images", feature = "report"))]
+#[cfg(feature = "full")]
 pub mod calls;
 mod estimate;
 mod expected;
-#[cfg(all(feature = "images", feature = "report"))]
+#[cfg(feature = "full")]
 mod explore;
+#[cfg(feature = "full")]
 mod export;
 mod failure;
+#[cfg(feature = "full")]
 mod forward;
 mod host;
 mod mtf;
@@ -20,16 +22,18 @@ mod output;
 mod parse;
 mod predict;
 mod progress;
-#[cfg(feature = "images")]
+#[cfg(feature = "full")]
 mod render;
 mod sampled;
+#[cfg(feature = "full")]
 mod simulate;
+#[cfg(feature = "full")]
 mod study;
 mod terms;
 mod verbs;
-#[cfg(feature = "images")]
+#[cfg(feature = "full")]
 mod view;
 
 pub use verbs::main;
-#[cfg(feature = "images")]
+#[cfg(feature = "full")]
 pub use view::render_view;

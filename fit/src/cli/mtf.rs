@@ -16,13 +16,13 @@ use crate::cli::mtf::report::{Report, Request, measured};
 use crate::cli::mtf::table::{Entry, Photographs};
 use crate::cli::progress::Progress;
 use crate::cli::{output, parse};
-use crate::photographs::Roi;
-use crate::photographs::edge::accepted::Accepted;
-use crate::photographs::photo::channel::{Channel, Decode};
-use crate::photographs::photo::held::Held;
-use crate::photographs::photo::transfer::Transfer;
-#[cfg(feature = "report")]
-use crate::report::plot;
+use edges::photographs::Roi;
+use edges::photographs::edge::accepted::Accepted;
+use edges::photographs::photo::channel::{Channel, Decode};
+use edges::photographs::photo::held::Held;
+use edges::photographs::photo::transfer::Transfer;
+#[cfg(feature = "full")]
+use pictures::report::plot;
 
 /// Measures the MTF of photographs of a slanted edge, as CSV or JSON.
 ///
@@ -97,7 +97,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     pub json: bool,
     /// File that receives the curves as a picture, .svg.
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// File that receives the curve or the rows, in place of standard output.
@@ -177,13 +177,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let images = files::photographs(&arguments.image)?;
     let mut outputs = Outputs::beside(images.iter().map(PathBuf::as_path));
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
     if let [image] = &arguments.image[..]
         && !image.is_dir()
     {
         let report = measured(image, &request)?;
-        #[cfg(feature = "report")]
+        #[cfg(feature = "full")]
         if let Some(output) = picture {
             output.commit(drawn(&[&report], &request).as_bytes())?;
         }
@@ -197,7 +197,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(terminal::deliver(&text, output)?);
     }
     let entries = all(&images, &request);
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     if let Some(output) = picture {
         let reports: Vec<&Report> = entries.iter().filter_map(Entry::report).collect();
         if !reports.is_empty() {
@@ -256,7 +256,7 @@ fn warn(report: &Report) {
 }
 
 /// Draws the curves of photographs.
-#[cfg(feature = "report")]
+#[cfg(feature = "full")]
 fn drawn(reports: &[&Report], request: &Request) -> String {
     let shown: Vec<plot::Shown> = reports
         .iter()

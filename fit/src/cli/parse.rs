@@ -5,9 +5,9 @@ use std::path::Path;
 use tables::cli::list;
 
 use crate::cli::failure::Failure;
-use crate::document::Bounds;
-use crate::photographs::photo::transfer::Transfer;
-use crate::result::ResultFile;
+use edges::document::Bounds;
+use edges::photographs::photo::transfer::Transfer;
+use estimator::result::ResultFile;
 
 /// Returns the azimuth of a table that holds only one, degrees; `None` for other tables.
 pub(crate) fn only_azimuth(table: &tables::Table) -> Option<f64> {
@@ -88,7 +88,7 @@ pub(crate) fn read_json<T: serde::de::DeserializeOwned>(
         message,
         expected,
     };
-    let text = crate::document::read(path, MOST_JSON)
+    let text = edges::document::read(path, MOST_JSON)
         .map_err(|e| error(format!("cannot be read ({e})")))?;
     serde_json::from_str(&text).map_err(|e| error(format!("cannot be used ({e})")))
 }

@@ -12,15 +12,15 @@ use crate::cli::estimate::{check_model, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
-use crate::names::{Family, Kernel};
-#[cfg(feature = "report")]
-use crate::predict::{Around, around};
-use crate::predict::{Axis, Fitted, Places, Prediction, Viewpoint, between, predict, remarks};
-#[cfg(feature = "report")]
-use crate::report::Variable;
-#[cfg(feature = "report")]
-use crate::report::plot;
-use crate::result::ResultFile;
+use edges::names::{Family, Kernel};
+#[cfg(feature = "full")]
+use estimator::predict::{Around, around};
+use estimator::predict::{Axis, Fitted, Places, Prediction, Viewpoint, between, predict, remarks};
+use estimator::result::ResultFile;
+#[cfg(feature = "full")]
+use pictures::report::Variable;
+#[cfg(feature = "full")]
+use pictures::report::plot;
 
 /// Predicts MTF and luminance of a fitted sheet at other distances and angles.
 #[derive(Debug, clap::Args)]
@@ -109,11 +109,11 @@ pub(crate) struct Arguments {
     ///
     /// The picture then shows the MTF at each --frequency, in place of MTF curves. direction draws
     /// a polar picture for each place, and adds its curves to the JSON (key around).
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     #[arg(long, value_enum, requires = "plot", help_heading = "Output")]
     pub against: Option<Variable>,
     /// File that receives the MTF curves as a picture, .svg.
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub plot: Option<PathBuf>,
     /// File that receives CSV or JSON, in place of standard output.
@@ -122,7 +122,7 @@ pub(crate) struct Arguments {
 }
 
 /// Largest number of frequencies that `--against` draws at each place.
-#[cfg(feature = "report")]
+#[cfg(feature = "full")]
 const MOST_CURVES: usize = 12;
 
 #[derive(Serialize)]
@@ -130,7 +130,7 @@ struct Report<'a> {
     kernel: Kernel,
     frequency_per_mm: &'a [f64],
     predictions: Vec<OldNames<&'a Prediction>>,
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     around: Vec<OldNames<Around>>,
     warnings: Vec<String>,
@@ -158,7 +158,7 @@ impl<'a> OldNames<&'a Prediction> {
     }
 }
 
-#[cfg(feature = "report")]
+#[cfg(feature = "full")]
 impl OldNames<Around> {
     fn of_around(prediction: Around) -> Self {
         OldNames {
@@ -175,7 +175,7 @@ impl OldNames<Around> {
 /// Fails if the result or the table cannot be used, if the table lacks a direction, or if an output
 /// cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     if arguments.against.is_some() && arguments.frequency.len() > MOST_CURVES {
         return Err(Failure::conflict(
             "fit predict",
@@ -188,7 +188,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = arguments.result.iter().chain(&arguments.table);
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
     let numbers = &arguments.by_hand;
     let table = numbers.table("fit predict", arguments.table.as_deref())?;
@@ -202,7 +202,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let found = predicted(arguments, &result, &table)?;
     terminal::warn(&found.warnings);
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     if let Some(output) = picture {
         let frequencies = &found.frequency_per_mm;
         let svg = match arguments.against {
@@ -224,7 +224,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 pub(super) struct Predicted {
     frequency_per_mm: Vec<f64>,
     predictions: Vec<Prediction>,
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     around: Vec<Around>,
     warnings: Vec<String>,
 }
@@ -240,7 +240,7 @@ impl Predicted {
                 .iter()
                 .map(OldNames::of_prediction)
                 .collect(),
-            #[cfg(feature = "report")]
+            #[cfg(feature = "full")]
             around: self.around.into_iter().map(OldNames::of_around).collect(),
             warnings: self.warnings,
         })
@@ -263,7 +263,7 @@ pub(super) fn predicted(
         frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
     };
     let mut predictions = Vec::new();
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     let mut polar = Vec::new();
     let azimuths = arguments.azimuth.iter().flatten().copied().map(Some);
     let azimuths: Vec<Option<f64>> = azimuths.collect();
@@ -275,7 +275,7 @@ pub(super) fn predicted(
     } {
         places.azimuth_deg = azimuth_deg;
         predictions.extend(predict(result, table, &places)?);
-        #[cfg(feature = "report")]
+        #[cfg(feature = "full")]
         if arguments.against == Some(Variable::Direction) {
             polar.extend(around(result, table, &places)?);
         }
@@ -298,7 +298,7 @@ pub(super) fn predicted(
     Ok(Predicted {
         frequency_per_mm: places.frequency_per_mm,
         predictions,
-        #[cfg(feature = "report")]
+        #[cfg(feature = "full")]
         around: polar,
         warnings,
     })

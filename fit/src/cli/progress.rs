@@ -1,22 +1,22 @@
 //! Progress of long work, shown on a terminal. Without the feature `report` nothing is shown.
 
-#[cfg(feature = "report")]
+#[cfg(feature = "full")]
 use std::io::IsTerminal;
 
-#[cfg(feature = "report")]
+#[cfg(feature = "full")]
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use crate::estimate::Step;
+use estimator::estimate::Step;
 
 /// Progress bar on standard error if that is a terminal.
 pub(crate) struct Progress {
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     bar: ProgressBar,
 }
 
 impl Progress {
     /// Shows a bar for this many campaigns, none of them done.
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     pub(crate) fn of(campaigns: u64) -> Progress {
         Progress::with(
             campaigns,
@@ -26,18 +26,18 @@ impl Progress {
 
     /// Shows a bar for the steps of an estimate or a render, see [`Progress::show`] and
     /// [`Progress::part`].
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     pub(crate) fn of_steps() -> Progress {
         Progress::with(0, "{bar:40} {pos}/{len} {msg}, {rate}, {eta} left")
     }
 
     /// Shows how many grids of a page have been tried, and for how long.
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     pub(crate) fn of_grids() -> Progress {
         Progress::with(0, "{spinner} grid {pos} tried, {elapsed}")
     }
 
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     fn with(length: u64, template: &str) -> Progress {
         let bar = ProgressBar::new(length);
         if !std::io::stderr().is_terminal() {
@@ -50,19 +50,19 @@ impl Progress {
     }
 
     /// Shows nothing.
-    #[cfg(not(feature = "report"))]
+    #[cfg(not(feature = "full"))]
     pub(crate) fn of(_: u64) -> Progress {
         Progress {}
     }
 
     /// Shows nothing.
-    #[cfg(not(feature = "report"))]
+    #[cfg(not(feature = "full"))]
     pub(crate) fn of_steps() -> Progress {
         Progress {}
     }
 
     /// Shows a step of an estimate that is done. Each kind of step has a bar of its own.
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     pub(crate) fn show(&self, step: Step) {
         if let Some((what, done, of)) = step.words() {
             self.part(what, done, of);
@@ -70,7 +70,7 @@ impl Progress {
     }
 
     /// Shows that `done` pieces of a kind of work are done. Each kind has a bar of its own.
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     pub(crate) fn part(&self, what: &'static str, done: usize, of: usize) {
         if self.bar.message() != what {
             self.bar.set_message(what);
@@ -81,28 +81,28 @@ impl Progress {
     }
 
     /// Shows nothing.
-    #[cfg(not(feature = "report"))]
+    #[cfg(not(feature = "full"))]
     pub(crate) fn show(&self, _: Step) {}
 
     /// Shows nothing.
-    #[cfg(not(feature = "report"))]
+    #[cfg(not(feature = "full"))]
     pub(crate) fn part(&self, _: &'static str, _: usize, _: usize) {}
 
     /// Counts one campaign as done.
     pub(crate) fn step(&self) {
-        #[cfg(feature = "report")]
+        #[cfg(feature = "full")]
         self.bar.inc(1);
     }
 
     /// Removes the bar.
     pub(crate) fn done(&self) {
-        #[cfg(feature = "report")]
+        #[cfg(feature = "full")]
         self.bar.finish_and_clear();
     }
 }
 
 /// Writes the mean number of steps a second, with three digits.
-#[cfg(feature = "report")]
+#[cfg(feature = "full")]
 fn rate(state: &ProgressState, out: &mut dyn std::fmt::Write) {
     let seconds = state.elapsed().as_secs_f64();
     if seconds < 0.1 {

@@ -22,16 +22,16 @@ pub(crate) use crate::cli::render::remarks::spacious;
 use crate::cli::render::remarks::{beyond_the_rim, clipped, of_image, of_reduced};
 use crate::cli::render::seen::{Seen, Way, from_afar, from_afar_reduced, from_camera};
 use crate::cli::sampled::Samples;
-use crate::estimate::Forward;
-use crate::images::render;
-use crate::images::render::view::CameraView;
-use crate::images::{Part, Scale, Viewpoint, Watch, automatic};
-use crate::names::Family;
-use crate::photographs::photo;
-use crate::photographs::photo::picture::{Picture, Writing};
-use crate::photographs::photo::transfer::Transfer;
-use crate::predict::{Fitted, remarks};
-use crate::result::ResultFile;
+use edges::names::Family;
+use edges::photographs::photo;
+use edges::photographs::photo::picture::{Picture, Writing};
+use edges::photographs::photo::transfer::Transfer;
+use estimator::estimate::Forward;
+use estimator::predict::{Fitted, remarks};
+use estimator::result::ResultFile;
+use pictures::images::render;
+use pictures::images::render::view::CameraView;
+use pictures::images::{Part, Scale, Viewpoint, Watch, automatic};
 
 /// Renders the mid-air image of a picture: blurred and dimmed by the fitted sheet.
 #[derive(Debug, clap::Args)]

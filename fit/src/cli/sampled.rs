@@ -3,10 +3,10 @@
 use tables::cli as terminal;
 
 use crate::cli::failure::Failure;
-use crate::estimate::Candidates;
-use crate::estimate::Kind;
-use crate::samples::Sampling;
-use crate::samples::Sequence;
+use estimator::estimate::Candidates;
+use estimator::estimate::Kind;
+use estimator::samples::Sampling;
+use estimator::samples::Sequence;
 
 /// Samples of `--forward render`.
 #[derive(Debug, Clone, clap::Args)]

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use tables::cli as terminal;
 
 use crate::cli::failure::Failure;
-use crate::simulate::Params;
-use crate::simulate::write::{self, Report};
+use lab::simulate::Params;
+use lab::simulate::write::{self, Report};
 
 /// Writes a synthetic campaign: noisy photographs, captures.toml and truth.json.
 #[derive(Debug, clap::Args)]

@@ -21,19 +21,19 @@ use crate::cli::study::mistaken::Mistaken;
 use crate::cli::study::written::{spreadsheet, table_of};
 use crate::cli::terms::{Terms, described};
 use crate::cli::{forward, sampled};
-use crate::estimate::Forward;
-use crate::estimate::Kind;
-use crate::estimate::Scene;
-use crate::estimate::Watch;
-use crate::estimate::select::select;
-#[cfg(feature = "report")]
-use crate::report::picture;
-use crate::study::Ranges;
-use crate::study::Summary;
-use crate::study::refused;
-use crate::study::{Speed, speed};
-use crate::study::{Study, photographs};
-use crate::study::{choice, trial};
+use estimator::estimate::Forward;
+use estimator::estimate::Kind;
+use estimator::estimate::Scene;
+use estimator::estimate::Watch;
+use estimator::estimate::select::select;
+use lab::study::Ranges;
+use lab::study::Summary;
+use lab::study::refused;
+use lab::study::{Speed, speed};
+use lab::study::{Study, photographs};
+use lab::study::{choice, trial};
+#[cfg(feature = "full")]
+use pictures::report::picture;
 
 /// Measures how good estimates are: against the Cramer-Rao bound or a known truth.
 ///
@@ -153,7 +153,7 @@ pub(crate) struct Arguments {
     ///
     /// For drawn campaigns it shows errors and coverage. For given photographs and renders it
     /// shows seconds against error.
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     #[arg(long, value_name = "FILE", conflicts_with = "choice")]
     pub plot: Option<PathBuf>,
     /// Samples in place of the closed form.
@@ -194,9 +194,9 @@ pub(super) fn text(arguments: &Arguments, host: Host<'_>) -> Result<String, Fail
         }
         (None, Some(captures)) => {
             let (campaign, expected) = expected::campaign(captures, None)?;
-            #[cfg(feature = "report")]
+            #[cfg(feature = "full")]
             let mut outputs = Outputs::beside([captures.as_path(), &arguments.table]);
-            #[cfg(feature = "report")]
+            #[cfg(feature = "full")]
             let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
             let table = expected.read(&arguments.table)?;
             let open = arguments.terms.candidates("fit study")?;
@@ -205,7 +205,7 @@ pub(super) fn text(arguments: &Arguments, host: Host<'_>) -> Result<String, Fail
             let seconds = start.elapsed().as_secs_f64();
             let (open, _) = open.possible(&scene, &table, captures)?;
             let study = pool.install(|| photographs(&scene, seconds, &open))?;
-            #[cfg(feature = "report")]
+            #[cfg(feature = "full")]
             if let Some(output) = picture {
                 output.commit(picture::photographs(&study).as_bytes())?;
             }
@@ -228,9 +228,9 @@ fn rendered(
     let open = arguments.terms.candidates("fit study")?;
     let open = sampled::only(open, None, "fit study")?;
     let (campaign, expected) = expected::campaign(captures, None)?;
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     let mut outputs = Outputs::beside([captures, &arguments.table]);
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
     let table = expected.read(&arguments.table)?;
     let speed = pool.install(|| -> Result<Speed, Failure> {
@@ -242,7 +242,7 @@ fn rendered(
         let randomisations = arguments.forward.randomisations;
         Ok(speed(&scene, &table, choice, &samplings, randomisations)?)
     })?;
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     if let Some(output) = picture {
         output.commit(picture::speed(&speed).as_bytes())?;
     }
@@ -312,7 +312,7 @@ fn drawn(
     let directions = checked_directions(&ranges, &table, &arguments.table)?;
     let mut outputs = Outputs::beside([file, &arguments.table]);
     let csv = terminal::reserve(arguments.csv.as_deref(), &mut outputs)?;
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
     if arguments.choice {
         let (trials, refused) = run_all(arguments.campaigns, pool, host, |index| {
@@ -350,7 +350,7 @@ fn drawn(
         output.commit(spreadsheet(&trials).as_bytes())?;
     }
     let summary = Summary::new(&trials, refused);
-    #[cfg(feature = "report")]
+    #[cfg(feature = "full")]
     if let Some(output) = picture {
         output.commit(picture::drawn(&summary).as_bytes())?;
     }

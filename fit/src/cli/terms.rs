@@ -1,9 +1,9 @@
 //! The options that name terms of the model or leave them open, and the kernels in words.
 
 use crate::cli::failure::Failure;
-use crate::estimate::Candidates;
-use crate::names::LobeShape;
-use crate::names::{Family, Kernel};
+use edges::names::LobeShape;
+use edges::names::{Family, Kernel};
+use estimator::estimate::Candidates;
 
 /// Terms of the model that the user names or leaves open.
 #[derive(Debug, clap::Args)]

@@ -7,12 +7,14 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tables::cli as terminal;
 use tables::cli::{Completions, Manual, version};
 
-#[cfg(all(feature = "images", feature = "report"))]
+#[cfg(feature = "full")]
 use crate::cli::explore;
 use crate::cli::failure::Failure;
-#[cfg(feature = "images")]
+#[cfg(feature = "full")]
 use crate::cli::render;
-use crate::cli::{estimate, export, mtf, predict, simulate, study};
+use crate::cli::{estimate, mtf, predict};
+#[cfg(feature = "full")]
+use crate::cli::{export, simulate, study};
 
 /// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from
 /// photographs of mid-air images, and predicts what the sheet shows elsewhere.
@@ -34,12 +36,13 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Estimate(estimate::Arguments),
+    #[cfg(feature = "full")]
     Export(export::Arguments),
     Mtf(mtf::Arguments),
     Predict(predict::Arguments),
-    #[cfg(feature = "images")]
+    #[cfg(feature = "full")]
     Render(render::Arguments),
-    #[cfg(all(feature = "images", feature = "report"))]
+    #[cfg(feature = "full")]
     Explore(explore::Arguments),
     /// Names the heir of a verb that is gone.
     #[command(hide = true)]
@@ -48,7 +51,9 @@ enum Verb {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         words: Vec<std::ffi::OsString>,
     },
+    #[cfg(feature = "full")]
     Simulate(simulate::Arguments),
+    #[cfg(feature = "full")]
     Study(study::Arguments),
     #[command(after_help = "Example: for the shell that is open\n  fit completions bash")]
     Completions(Completions),
@@ -65,15 +70,18 @@ pub fn main(commit: Option<&str>) -> ExitCode {
     tables::apart::start();
     let done = match arguments(commit).verb {
         Verb::Estimate(arguments) => estimate::run(&arguments),
+        #[cfg(feature = "full")]
         Verb::Export(arguments) => export::run(&arguments),
         Verb::Mtf(arguments) => mtf::run(&arguments),
         Verb::Predict(arguments) => predict::run(&arguments),
-        #[cfg(feature = "images")]
+        #[cfg(feature = "full")]
         Verb::Render(arguments) => render::run(&arguments),
-        #[cfg(all(feature = "images", feature = "report"))]
+        #[cfg(feature = "full")]
         Verb::Explore(arguments) => explore::run(&arguments),
         Verb::Evaluate { .. } => Err(Failure::Evaluate),
+        #[cfg(feature = "full")]
         Verb::Simulate(arguments) => simulate::run(&arguments),
+        #[cfg(feature = "full")]
         Verb::Study(arguments) => study::run(&arguments),
         Verb::Completions(arguments) => arguments.run(command()).map_err(Failure::from),
         Verb::Manual(arguments) => arguments.run(command()).map_err(Failure::from),
@@ -123,7 +131,7 @@ fn hinted(mut error: clap::Error) -> clap::Error {
 /// Returns the command line's description: all verbs and options of this build.
 fn command() -> clap::Command {
     let command = Arguments::command();
-    if cfg!(feature = "report") {
+    if cfg!(feature = "full") {
         return command;
     }
     let verbs: Vec<String> = command

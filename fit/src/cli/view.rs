@@ -5,13 +5,13 @@ use std::path::Path;
 
 use tables::Table;
 
-use crate::images::UNWATCHED;
-use crate::images::render;
-use crate::images::render::view::CameraView;
-use crate::photographs::photo::picture::Picture;
-use crate::photographs::photo::transfer::Transfer;
-use crate::predict::Fitted;
-use crate::result::ResultFile;
+use edges::photographs::photo::picture::Picture;
+use edges::photographs::photo::transfer::Transfer;
+use estimator::predict::Fitted;
+use estimator::result::ResultFile;
+use pictures::images::UNWATCHED;
+use pictures::images::render;
+use pictures::images::render::view::CameraView;
 
 /// Number of columns and of rows of the picture.
 const SIZE: [usize; 2] = [12, 8];

@@ -5,11 +5,11 @@ use std::fmt::Write;
 use tables::cli as terminal;
 
 use crate::cli::terms::described;
-use crate::estimate::Bound;
-use crate::estimate::trusted_in_words;
-use crate::names::{ParameterId, ParameterKind};
-use crate::result::{FitResult, Number, Parameter, ResultFile};
-use crate::simulate::Truth;
+use edges::names::{ParameterId, ParameterKind};
+use estimator::estimate::Bound;
+use estimator::estimate::trusted_in_words;
+use estimator::result::Truth;
+use estimator::result::{FitResult, Number, Parameter, ResultFile};
 
 /// Returns the result as a table for a reader.
 pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::failure::Failure;
-use crate::photographs::photo::format::{Format, extension, is_raw};
+use edges::photographs::photo::format::{Format, extension, is_raw};
 
 /// Returns all photographs: those that were named, and in place of a folder its pictures in the
 /// order of their names. Other files of a folder, and folders in it, are left out.

@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::cli::failure::Failure;
-use crate::photographs::crossing::{Curve, Measured};
-use crate::photographs::edge::accepted::Accepted;
-use crate::photographs::edge::fault::Fault;
-use crate::photographs::edge::slant;
-use crate::photographs::edge::slant::Slant;
-use crate::photographs::photo;
-use crate::photographs::photo::channel::Decode;
-use crate::photographs::photo::plane::Photo;
-use crate::photographs::{Measurement, Roi, measure};
+use edges::photographs::crossing::{Curve, Measured};
+use edges::photographs::edge::accepted::Accepted;
+use edges::photographs::edge::fault::Fault;
+use edges::photographs::edge::slant;
+use edges::photographs::edge::slant::Slant;
+use edges::photographs::photo;
+use edges::photographs::photo::channel::Decode;
+use edges::photographs::photo::plane::Photo;
+use edges::photographs::{Measurement, Roi, measure};
 
 /// Number of points of the curve, from frequency 0 to the sampling frequency.
 const POINTS: usize = 512;
@@ -312,7 +312,10 @@ impl std::fmt::Display for Frequency {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::photographs::{BRIGHT, DARK, noisy, photo, rise};
+    use lab::planted::{photo, rise, with_noise};
+
+    const DARK: f64 = 0.1;
+    const BRIGHT: f64 = 0.7;
 
     /// The numbers of a report about an edge that is known: a Gaussian of 1.5 pixels between two
     /// plateaus, in even noise. Its MTF is exp(-2 (pi sigma f)^2). The plateaus are means of some
@@ -321,13 +324,13 @@ mod tests {
     fn a_report_has_the_numbers_of_a_known_edge() {
         const SIGMA_PX: f64 = 1.5;
         const PITCH_MM: f64 = 0.05;
-        const NOISE: f64 = crate::tests::photographs::NOISE;
+        const NOISE: f64 = 0.001;
         let (sin, cos) = 5.0_f64.to_radians().sin_cos();
         let picture = photo(240, 200, |x, y| {
             let s = (x - 120.3) * cos + (y - 99.1) * sin;
             DARK + (BRIGHT - DARK) * rise(s, SIGMA_PX)
         });
-        let picture = noisy(picture, 4);
+        let picture = with_noise(picture, 4, NOISE);
         let request = |pitch_mm: Option<f64>| Request {
             decode: Decode::default(),
             roi: None,

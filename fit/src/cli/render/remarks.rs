@@ -2,8 +2,8 @@
 
 use crate::cli::render::facts::range;
 use crate::cli::render::seen::Seen;
-use crate::photographs::photo::picture::{Picture, Writing};
-use crate::predict::{Fitted, between};
+use edges::photographs::photo::picture::{Picture, Writing};
+use estimator::predict::{Fitted, between};
 
 /// Returns the warnings about the source and its blur.
 pub(super) fn of_image(source: &Picture, seen: &Seen, sheet: &Fitted<'_>) -> Vec<String> {
@@ -102,9 +102,9 @@ pub(super) fn clipped(image: &Picture, writing: Writing) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::images::Viewpoint;
-    use crate::images::render::sampled::Spotted;
-    use crate::photographs::photo::transfer::Transfer;
+    use edges::photographs::photo::transfer::Transfer;
+    use pictures::images::Viewpoint;
+    use pictures::images::render::sampled::Spotted;
 
     /// A quarter of the light of 0.5 returns, and the image holds three fifths of it.
     #[test]

@@ -1,16 +1,16 @@
 //! The image of a picture as `fit render` makes it, from afar or as a camera sees it.
 
 use crate::cli::render::facts::TileReport;
-use crate::estimate::Forward;
-use crate::images::render;
-use crate::images::render::psf::{LARGEST, Psf};
-use crate::images::render::sampled;
-use crate::images::render::sampled::Spotted;
-use crate::images::render::view::CameraView;
-use crate::images::{Scale, Viewpoint, Watch};
-use crate::photographs::photo::picture::Picture;
-use crate::predict::Fitted;
-use crate::samples::Sampling;
+use edges::photographs::photo::picture::Picture;
+use estimator::estimate::Forward;
+use estimator::predict::Fitted;
+use estimator::samples::Sampling;
+use pictures::images::render;
+use pictures::images::render::psf::{LARGEST, Psf};
+use pictures::images::render::sampled;
+use pictures::images::render::sampled::Spotted;
+use pictures::images::render::view::CameraView;
+use pictures::images::{Scale, Viewpoint, Watch};
 
 /// Way in which an image is made.
 pub(super) struct Way<'a> {

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::cli::failure::Failure;
 use crate::cli::host::Host;
-use crate::estimate::Error;
-use crate::study::{Refused, refused};
+use estimator::estimate::Error;
+use lab::study::{Refused, refused};
 
 /// Runs all campaigns in parallel. Returns their trials, and the refused campaigns by reason.
 ///

@@ -9,8 +9,8 @@ use crate::cli::failure::Failure;
 use crate::cli::host::Host;
 use crate::cli::output;
 use crate::cli::study::all::run_all;
-use crate::estimate::{OtherTable, Verdict};
-use crate::study::{Ranges, mistakes, refused};
+use estimator::estimate::{OtherTable, Verdict};
+use lab::study::{Ranges, mistakes, refused};
 
 /// Inputs of a study of planted mistakes.
 pub(super) struct Mistaken<'a> {

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::study::refused;
-use crate::study::{LOOSE, Summary};
-use crate::study::{LOSSES, PARAMETERS, Trial};
+use lab::study::refused;
+use lab::study::{LOOSE, Summary};
+use lab::study::{LOSSES, PARAMETERS, Trial};
 
 /// Returns the table of a study of drawn campaigns, for a reader.
 pub(super) fn table_of(summary: &Summary) -> String {

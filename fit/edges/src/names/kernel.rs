@@ -1,0 +1,154 @@
+//! Names of kernels, and of the published models that they belong to.
+
+use serde::{Deserialize, Serialize};
+
+use crate::names::lobe::LobeShape;
+
+/// The kernel of a model: the set of blur terms of a sheet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Kernel {
+    /// Ray shift and the lobe of Eq. (1) taken literally: a (1/mm) does not depend on the floating
+    /// distance.
+    Eq1,
+    /// Ray shift and a lobe of fixed angle (Fraunhofer): the free parameter is A = a R, without
+    /// unit.
+    Angular,
+    /// Ray shift alone.
+    Shift,
+    /// The lobe of Eq. (1) alone, with a in 1/mm.
+    Lobe,
+    /// Wave optics of the aperture: ray shift and diffraction from c and the wavelength, without a
+    /// lobe.
+    Wave,
+    /// Saito et al. 2024 with a smooth front: three rough facets.
+    Saito,
+    /// Saito et al. 2024 with a rough front: five rough interfaces.
+    #[serde(rename = "saito-surface")]
+    SaitoSurface,
+    /// Guo et al. 2018: one lobe, from a rough front.
+    Guo,
+    /// Portsmouth et al. 2026: the minimal retroreflective microfacet model.
+    Mrm,
+}
+
+/// The model of a sheet: the proposed one or a published baseline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Family {
+    /// Ray shift and diffraction
+    #[default]
+    Proposed,
+    /// Saito, Yue and Koizumi 2024: microfacets on five interfaces
+    Saito,
+    /// Guo, Guo and Pan 2018: prismatic sheeting with a rough front
+    Guo,
+    /// Portsmouth et al. 2026: the minimal retroreflective microfacet model
+    Mrm,
+}
+
+impl Family {
+    /// Returns the name in files and options.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Family::Proposed => "proposed",
+            Family::Saito => "saito",
+            Family::Guo => "guo",
+            Family::Mrm => "mrm",
+        }
+    }
+
+    /// Returns the kernels of the model. Among kernels that fit equally well, earlier ones are
+    /// preferred.
+    pub const fn kernels(self) -> &'static [Kernel] {
+        match self {
+            Family::Proposed => &Kernel::ALL,
+            Family::Saito => &[Kernel::Saito, Kernel::SaitoSurface],
+            Family::Guo => &[Kernel::Guo],
+            Family::Mrm => &[Kernel::Mrm],
+        }
+    }
+
+    /// Returns the shapes that the lobe of the model may have.
+    pub const fn shapes(self) -> &'static [LobeShape] {
+        match self {
+            Family::Proposed => &LobeShape::ALL,
+            Family::Saito | Family::Guo | Family::Mrm => &LobeShape::MICROFACETS,
+        }
+    }
+}
+
+impl Kernel {
+    /// Returns the divisor that turns the spread parameter into a (1/mm) at the floating distance
+    /// `r_mm`: R for `angular`, else 1. It has no meaning for baselines.
+    pub fn distance_scale(self, r_mm: f64) -> f64 {
+        match self {
+            Kernel::Angular => r_mm,
+            _ => 1.0,
+        }
+    }
+
+    /// All kernels of the proposed model. The first is preferred among kernels that fit equally
+    /// well.
+    pub const ALL: [Kernel; 5] = [
+        Kernel::Eq1,
+        Kernel::Angular,
+        Kernel::Shift,
+        Kernel::Lobe,
+        Kernel::Wave,
+    ];
+
+    /// Names of [`Kernel::ALL`] in files, in the same order.
+    pub const NAMES: [&'static str; 5] = ["eq1", "angular", "shift", "lobe", "wave"];
+
+    /// Returns the kernel of the proposed model that has this name in files, or `None`.
+    pub fn from_name(name: &str) -> Option<Kernel> {
+        Kernel::ALL.into_iter().find(|kernel| kernel.name() == name)
+    }
+
+    /// Returns the name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Kernel::Eq1 => "eq1",
+            Kernel::Angular => "angular",
+            Kernel::Shift => "shift",
+            Kernel::Lobe => "lobe",
+            Kernel::Wave => "wave",
+            Kernel::Saito => "saito",
+            Kernel::SaitoSurface => "saito-surface",
+            Kernel::Guo => "guo",
+            Kernel::Mrm => "mrm",
+        }
+    }
+
+    /// Returns the model that the kernel belongs to.
+    pub const fn family(self) -> Family {
+        match self {
+            Kernel::Eq1 | Kernel::Angular | Kernel::Shift | Kernel::Lobe | Kernel::Wave => {
+                Family::Proposed
+            }
+            Kernel::Saito | Kernel::SaitoSurface => Family::Saito,
+            Kernel::Guo => Family::Guo,
+            Kernel::Mrm => Family::Mrm,
+        }
+    }
+
+    /// Returns whether the kernel is a baseline: a lobe of rough facets, without ray shift.
+    pub const fn is_baseline(self) -> bool {
+        !matches!(self.family(), Family::Proposed)
+    }
+
+    /// Returns whether the kernel has a size that all angles share. The size is the corner size c,
+    /// or, for a baseline, the roughness of the front.
+    pub const fn has_c(self) -> bool {
+        !matches!(
+            self,
+            Kernel::Lobe | Kernel::Saito | Kernel::Guo | Kernel::Mrm
+        )
+    }
+
+    /// Returns whether the kernel has a lobe, and with it a spread: a, A or a roughness.
+    pub const fn has_lobe(self) -> bool {
+        !matches!(self, Kernel::Shift | Kernel::Wave)
+    }
+}

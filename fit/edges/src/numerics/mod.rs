@@ -1,0 +1,20 @@
+//! Mathematics for all rooms: transforms, quadrature, triangular factors, least squares.
+//!
+//! Arrays of numbers and closures enter. Arrays of numbers leave. Each file states its accuracy.
+//! Nothing here knows of light or photographs. This is the lowest room: it may touch no other.
+
+pub mod chance;
+pub mod clip;
+pub mod factor;
+pub mod fourier;
+pub mod lagrange;
+mod quadrature;
+pub mod sinc;
+mod solve;
+mod stream;
+
+pub use fourier::{fast_length, smooth, smooth_even, smooth_odd};
+pub use quadrature::GAUSS_16;
+pub use solve::{CONVERGED, Evaluation, least_squares, least_squares_from};
+pub use solve::{Solution, Stop};
+pub use stream::Stream;

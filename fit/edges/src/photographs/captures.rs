@@ -1,0 +1,579 @@
+//! The manifest of a campaign, captures.toml: the photographs, and how each one was taken.
+//!
+//! Lengths are in mm. Angles are stored in degrees, as in the manifest; methods whose names end in
+//! `_rad` return radians. In a photograph x runs along columns to the right and y along rows
+//! downward; angles in it run from +x towards +y. Every key is checked here, so every number that
+//! is returned is finite and in range, and every image exists.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error as _};
+use toml::Spanned;
+
+use crate::document::{self, Document, FileLine, Table};
+use crate::document::{choice, choices, incidence, positive, share, spectrum, turn};
+use crate::names::Spectrum;
+use crate::photographs::edge::accepted::Accepted;
+use crate::photographs::photo;
+use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::photo::exif::Settings;
+use crate::photographs::photo::held::Held;
+use crate::photographs::photo::plane::{Photo, as_shown};
+use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::roi::Roi;
+
+/// A reason why a manifest, or one of its photographs, cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A fault of the manifest: its text, one of its keys, or what a key names.
+    #[error(transparent)]
+    Document(#[from] document::Error),
+    /// A photograph that cannot be used.
+    #[error(transparent)]
+    Photo(#[from] photo::error::Error),
+}
+
+/// Properties that all captures of a campaign have in common.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// Side of one pixel in the plane of the mid-air image, mm, > 0.
+    pub pixel_pitch_mm: f64,
+    /// True if the camera sees the sheet in the half mirror, false if it looks at it straight.
+    /// `None` stands for false where the manifest does not say.
+    ///
+    /// Looked at straight, the sagittal axis is 90 degrees counter-clockwise from the tangential
+    /// axis in the photograph; in the mirror it is 90 degrees clockwise from it.
+    pub seen_in_mirror: Option<bool>,
+    /// Transmittance of the half mirror, in (0, 1]. If the manifest does not give it, it is 1 and a
+    /// warning says so.
+    pub half_mirror_transmittance: f64,
+    /// Reflectance of the half mirror, in (0, 1]. If the manifest does not give it, it is 1 and a
+    /// warning says so.
+    pub half_mirror_reflectance: f64,
+    /// Wavelengths of the source, for the kernel `wave`.
+    pub spectrum: Option<Spectrum>,
+}
+
+impl Setup {
+    /// Returns whether the camera saw the sheet in the half mirror: false unless the manifest says
+    /// so.
+    pub fn is_in_mirror(&self) -> bool {
+        self.seen_in_mirror.unwrap_or(false)
+    }
+}
+
+/// Converts a unit vector of a photograph to the mid-air image, (tangential, sagittal).
+///
+/// `along` is the component along the tangential axis, `clockwise` that along the axis 90 degrees
+/// clockwise from it, from right towards down. Seen in the mirror this is the sagittal axis; looked
+/// at straight the sagittal axis points the other way.
+pub fn in_image([along, clockwise]: [f64; 2], seen_in_mirror: bool) -> [f64; 2] {
+    [
+        along,
+        if seen_in_mirror {
+            clockwise
+        } else {
+            -clockwise
+        },
+    ]
+}
+
+/// One photograph and how to read it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shot {
+    /// Path of the image file, relative paths resolved against the manifest's folder. The file
+    /// existed when the manifest was read.
+    pub image: PathBuf,
+    /// Exposure relative to the reference, > 0.
+    pub exposure: f64,
+    /// Region that holds the edge. With `None` the whole picture is used, or an edge is searched in
+    /// it.
+    pub roi: Option<Roi>,
+    /// Faults of the edge that become warnings (the key `accept`).
+    pub accepted: Vec<Accepted>,
+    /// Transfer and channel of the image file.
+    pub decode: Decode,
+    /// Line of the manifest that names the image.
+    pub place: FileLine,
+}
+
+impl Shot {
+    /// Creates a photograph that is in no manifest, for callers that hand out photographs
+    /// themselves. The caller recognises it by its name, which stands in `image`.
+    pub fn named(name: impl Into<PathBuf>, exposure: f64) -> Shot {
+        let name = name.into();
+        Shot {
+            place: FileLine {
+                file: name.clone(),
+                line: 0,
+            },
+            image: name,
+            exposure,
+            roi: None,
+            accepted: Vec::new(),
+            decode: Decode::default(),
+        }
+    }
+
+    /// Reads the photograph and checks that the region lies in it.
+    ///
+    /// # Errors
+    /// Returns an error if the image file cannot be used, and if the region reaches beyond the
+    /// picture.
+    pub fn load(&self) -> Result<Photo, Error> {
+        self.checked(photo::load(&self.image, &self.decode)?)
+    }
+
+    /// Returns the photograph of this shot, which lies in memory.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Shot::load`].
+    pub fn held(&self, picture: &Held) -> Result<Photo, Error> {
+        self.checked(picture.photo(&self.decode)?)
+    }
+
+    /// Checks that the region lies in the photograph.
+    fn checked(&self, photo: Photo) -> Result<Photo, Error> {
+        match self.roi {
+            Some(roi) if !roi.fits(photo.width, photo.height) => {
+                let image = self.image.display();
+                let (width, height) = (photo.width, photo.height);
+                let turned = as_shown(photo.is_turned());
+                let why = format!(
+                    "{roi} reaches beyond {image}, which is {width} x {height} pixels{turned}; \
+                    correct `roi`"
+                );
+                Err(self.place.clone().error(why).into())
+            }
+            _ => Ok(photo),
+        }
+    }
+}
+
+/// One photograph of the mid-air edge, and how it was taken.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Capture {
+    /// The photograph itself.
+    pub shot: Shot,
+    /// Floating distance, mm, > 0.
+    pub floating_distance_mm: f64,
+    /// Optical path from the sheet to the image along the principal ray, mm, > 0. It is `None`
+    /// where it equals the floating distance; see [`Capture::range_mm`].
+    pub path_mm: Option<f64>,
+    /// Incidence in the air, degrees from the sheet's normal, 0 <= theta < 90.
+    pub incidence_deg: f64,
+    /// Azimuth about the sheet's normal, degrees; `None` for a table that is a mean over azimuths.
+    pub azimuth_deg: Option<f64>,
+    /// Direction of the tangential axis (in the plane of incidence) in the photograph, degrees from
+    /// +x towards +y.
+    pub tangential_axis_deg: f64,
+}
+
+impl Capture {
+    /// Returns R of the model, mm: `path_mm` if it is given, else the floating distance.
+    pub fn range_mm(&self) -> f64 {
+        self.path_mm.unwrap_or(self.floating_distance_mm)
+    }
+
+    /// Returns the incidence, radians.
+    pub fn incidence_rad(&self) -> f64 {
+        self.incidence_deg.to_radians()
+    }
+
+    /// Returns the azimuth, radians.
+    pub fn azimuth_rad(&self) -> Option<f64> {
+        self.azimuth_deg.map(f64::to_radians)
+    }
+
+    /// Returns the direction of the tangential axis in the photograph, radians from +x towards +y.
+    pub fn tangential_axis_rad(&self) -> f64 {
+        self.tangential_axis_deg.to_radians()
+    }
+}
+
+/// A campaign whose manifest has been checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Campaign {
+    /// Path of the manifest.
+    pub file: PathBuf,
+    /// Properties that all captures share.
+    pub setup: Setup,
+    /// Photograph of the source edge itself, without sheet and half mirror.
+    pub reference: Option<Shot>,
+    /// Captures in the order of the manifest; never empty.
+    pub captures: Vec<Capture>,
+    /// Warnings about what was assumed, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Campaign {
+    /// Returns a copy of the campaign that uses one channel of every photograph.
+    pub fn in_channel(&self, channel: &Channel) -> Campaign {
+        let mut campaign = self.clone();
+        let captures = campaign
+            .captures
+            .iter_mut()
+            .map(|capture| &mut capture.shot);
+        for shot in campaign.reference.iter_mut().chain(captures) {
+            shot.decode.channel = channel.clone();
+        }
+        campaign
+    }
+}
+
+/// Content hash that the table of a campaign must have.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExpectedTable {
+    /// The hash: 64 hex digits, lower-case.
+    pub hash: String,
+    /// Line of the manifest that states it.
+    pub place: FileLine,
+}
+
+/// A manifest that has been checked: its campaign, and the table that the campaign asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Manifest {
+    /// Campaign of the manifest.
+    pub campaign: Campaign,
+    /// Table that the campaign must be fitted with; `None` if any table will do.
+    pub expected_table: Option<ExpectedTable>,
+}
+
+/// Reads and checks a manifest. Photographs are only looked for here; [`Shot::load`] decodes them.
+///
+/// The key `expect_table` is checked to be a hash. The programs compare it with their table; a
+/// caller of this function chooses the table in code.
+///
+/// If the manifest does not give `exposure`, it is 1 for the reference. For a capture it is then
+/// the ratio of the camera's settings (Exif) to those of the reference, because mu is a ratio of
+/// the two photographs. Without a reference it has no effect and is 1.
+///
+/// # Errors
+/// Returns an `Error` that names the line of the first fault: a file that cannot be read, text that
+/// is not TOML, a key that is unknown, missing or out of range, an image that does not exist, an
+/// exposure that neither the manifest nor the camera gives, or a manifest without captures.
+pub fn load(file: &Path) -> Result<Campaign, Error> {
+    Ok(read(file)?.campaign)
+}
+
+/// Reads and checks a manifest as [`load`] does, and keeps the table that it asks for.
+///
+/// # Errors
+/// Returns the errors of [`load`].
+pub fn read(file: &Path) -> Result<Manifest, Error> {
+    of_document(&Document::read(file)?, file, &Path::is_file)
+}
+
+/// Checks a manifest that lies in memory. Its photographs are those for which `is_held` is true.
+///
+/// # Errors
+/// Returns the errors of [`load`].
+pub fn held(text: String, name: &Path, is_held: &dyn Fn(&Path) -> bool) -> Result<Manifest, Error> {
+    of_document(&Document::new(name, text), name, is_held)
+}
+
+/// A manifest as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Tables {
+    setup: Table<SetupTable>,
+    reference: Option<Table<ShotTable>>,
+    #[serde(default)]
+    capture: Vec<Spanned<Table<CaptureTable>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SetupTable {
+    #[serde(deserialize_with = "positive")]
+    pixel_pitch_mm: f64,
+    seen_in_mirror: Option<bool>,
+    #[serde(default, deserialize_with = "share")]
+    half_mirror_transmittance: Option<f64>,
+    #[serde(default, deserialize_with = "share")]
+    half_mirror_reflectance: Option<f64>,
+    #[serde(default, deserialize_with = "spectrum")]
+    wavelength_nm: Option<Spectrum>,
+    expect_table: Option<Spanned<Hash>>,
+    // What the tables of photographs may override.
+    #[serde(default, deserialize_with = "positive")]
+    path_mm: Option<f64>,
+    #[serde(default, deserialize_with = "turn")]
+    tangential_axis_deg: Option<f64>,
+    #[serde(default, deserialize_with = "roi")]
+    roi: Option<Roi>,
+    #[serde(default, deserialize_with = "accept")]
+    accept: Option<Vec<Accepted>>,
+    #[serde(default, deserialize_with = "transfer")]
+    transfer: Option<Transfer>,
+    channel: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShotTable {
+    image: Spanned<String>,
+    #[serde(default, deserialize_with = "positive")]
+    exposure: Option<f64>,
+    #[serde(default, deserialize_with = "roi")]
+    roi: Option<Roi>,
+    #[serde(default, deserialize_with = "accept")]
+    accept: Option<Vec<Accepted>>,
+    #[serde(default, deserialize_with = "transfer")]
+    transfer: Option<Transfer>,
+    channel: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CaptureTable {
+    #[serde(deserialize_with = "positive")]
+    floating_distance_mm: f64,
+    #[serde(deserialize_with = "incidence")]
+    incidence_deg: f64,
+    #[serde(default, deserialize_with = "turn")]
+    azimuth_deg: Option<f64>,
+    #[serde(default, deserialize_with = "positive")]
+    path_mm: Option<f64>,
+    #[serde(default, deserialize_with = "turn")]
+    tangential_axis_deg: Option<f64>,
+    // The keys of a `ShotTable`.
+    image: Spanned<String>,
+    #[serde(default, deserialize_with = "positive")]
+    exposure: Option<f64>,
+    #[serde(default, deserialize_with = "roi")]
+    roi: Option<Roi>,
+    #[serde(default, deserialize_with = "accept")]
+    accept: Option<Vec<Accepted>>,
+    #[serde(default, deserialize_with = "transfer")]
+    transfer: Option<Transfer>,
+    channel: Option<String>,
+}
+
+/// SHA-256 in hex, lower-case.
+#[derive(Deserialize)]
+#[serde(try_from = "String")]
+struct Hash(String);
+
+impl TryFrom<String> for Hash {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Hash, String> {
+        if text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+            return Ok(Hash(text.to_ascii_lowercase()));
+        }
+        Err(format!(
+            "is \"{text}\", which is no content hash; write the 64 hex digits that `bake verify` \
+            prints"
+        ))
+    }
+}
+
+fn roi<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Roi>, D::Error> {
+    let numbers = Vec::<toml::Value>::deserialize(value)?;
+    let whole = |number: &toml::Value| usize::try_from(number.as_integer()?).ok();
+    let numbers: Option<Vec<usize>> = numbers.iter().map(whole).collect();
+    let wrong = "must be four whole numbers [x, y, width, height], none below 0, and width and height \
+        above 0; change the value";
+    let roi = numbers.and_then(|numbers| Roi::of(&numbers));
+    roi.map(Some).ok_or_else(|| D::Error::custom(wrong))
+}
+
+fn accept<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Vec<Accepted>>, D::Error> {
+    choices(value, &Accepted::NAMES, Accepted::from_name).map(Some)
+}
+
+fn transfer<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Transfer>, D::Error> {
+    choice(value, &Transfer::NAMES, Transfer::from_name).map(Some)
+}
+
+/// Checks a manifest. Its photographs are there if `is_there` says so.
+fn of_document(
+    document: &Document,
+    file: &Path,
+    is_there: &dyn Fn(&Path) -> bool,
+) -> Result<Manifest, Error> {
+    let Tables {
+        setup: Table(shared),
+        reference,
+        capture,
+    } = document.parse()?;
+    let mut warnings = Vec::new();
+    let setup = setup(&shared, file, &mut warnings);
+    let shot = |table| shot(table, &shared, document, is_there);
+    let reference = reference.map(|table| shot(table.0)).transpose()?;
+    if reference.is_none() {
+        warnings.push(format!(
+            "{} has no [reference]: the blur of the lens is assumed, and mu cannot be found; \
+            photograph the source edge too.",
+            file.display()
+        ));
+    }
+    let mut captures: Vec<Capture> = Vec::new();
+    let mut source = None;
+    for table in capture {
+        let place = document.place(table.span());
+        let Table(table) = table.into_inner();
+        let given = table.exposure;
+        let mut capture = Capture {
+            floating_distance_mm: table.floating_distance_mm,
+            path_mm: table.path_mm.or(shared.path_mm),
+            incidence_deg: table.incidence_deg,
+            azimuth_deg: table.azimuth_deg,
+            tangential_axis_deg: (table.tangential_axis_deg)
+                .or(shared.tangential_axis_deg)
+                .unwrap_or(0.0),
+            shot: shot(ShotTable {
+                image: table.image,
+                exposure: given,
+                roi: table.roi,
+                accept: table.accept,
+                transfer: table.transfer,
+                channel: table.channel,
+            })?,
+        };
+        if let (None, Some(reference)) = (given, &reference) {
+            let (exposure, warning) =
+                exposure_by_camera(&place, reference, &mut source, &capture.shot)?;
+            capture.shot.exposure = exposure;
+            warnings.push(warning);
+        }
+        captures.push(capture);
+    }
+    if captures.is_empty() {
+        let none = "has no [[capture]]; add one for each photograph of the mid-air image";
+        return Err(document.error(none).into());
+    }
+    doubt(&captures, &mut warnings);
+    Ok(Manifest {
+        campaign: Campaign {
+            file: file.to_owned(),
+            setup,
+            reference,
+            captures,
+            warnings,
+        },
+        expected_table: shared.expect_table.map(|hash| ExpectedTable {
+            place: document.place(hash.span()),
+            hash: hash.into_inner().0,
+        }),
+    })
+}
+
+/// Returns the photograph of a table, with what the setup gives for all.
+fn shot(
+    table: ShotTable,
+    shared: &SetupTable,
+    document: &Document,
+    is_there: &dyn Fn(&Path) -> bool,
+) -> Result<Shot, document::Error> {
+    let place = document.place(table.image.span());
+    let folder = place.file.parent().unwrap_or(Path::new(""));
+    let image = folder.join(table.image.into_inner());
+    if !is_there(&image) {
+        let image = image.display();
+        let why = format!(
+            "image {image} does not exist; paths are relative to the folder of the manifest"
+        );
+        return Err(place.error(why));
+    }
+    let channel = table.channel.as_ref().or(shared.channel.as_ref());
+    Ok(Shot {
+        image,
+        exposure: table.exposure.unwrap_or(1.0),
+        roi: table.roi.or(shared.roi),
+        accepted: table.accept.or(shared.accept.clone()).unwrap_or_default(),
+        decode: Decode {
+            transfer: table.transfer.or(shared.transfer),
+            channel: channel.map_or_else(Channel::default, |name| Channel::from_name(name)),
+        },
+        place,
+    })
+}
+
+/// Warns of captures that contradict themselves or others.
+fn doubt(captures: &[Capture], warnings: &mut Vec<String>) {
+    let mut images = HashSet::new();
+    for capture in captures {
+        if let Some(path) = capture
+            .path_mm
+            .filter(|&path| path < capture.floating_distance_mm)
+        {
+            warnings.push(format!(
+                "{}: path_mm {path} is shorter than floating_distance_mm {}, but the path includes \
+                that distance; check both (the fit takes path_mm as R).",
+                capture.shot.place, capture.floating_distance_mm
+            ));
+        }
+        if !images.insert(&capture.shot.image) {
+            warnings.push(format!(
+                "{}: image {} is already used by an earlier capture, so it counts twice; remove \
+                one of the two.",
+                capture.shot.place,
+                capture.shot.image.display()
+            ));
+        }
+    }
+}
+
+/// Returns the exposure of a capture relative to its reference, from the settings of the camera,
+/// and a warning about its accuracy. `source` keeps the settings of the reference.
+fn exposure_by_camera(
+    place: &FileLine,
+    reference: &Shot,
+    source: &mut Option<Settings>,
+    shot: &Shot,
+) -> Result<(f64, String), Error> {
+    let settings = |image: &Path| {
+        Settings::of(image).map_err(|lack| {
+            place.clone().error(format!(
+                "`exposure` is missing from [[capture]], and {} has {lack}; add `exposure`",
+                image.display()
+            ))
+        })
+    };
+    let own = settings(&shot.image)?;
+    let source = match source {
+        Some(source) => source,
+        None => source.insert(settings(&reference.image)?),
+    };
+    let exposure = reference.exposure * own.exposure() / source.exposure();
+    let warning = format!(
+        "{}: `exposure` is missing; {exposure:.5} was computed from the camera's Exif data ({own}; \
+        reference {source}). Cameras round such settings, often by some percent, and the error of \
+        mu is as large; give `exposure` if you know it better",
+        shot.place
+    );
+    Ok((exposure, warning))
+}
+
+fn setup(table: &SetupTable, file: &Path, warnings: &mut Vec<String>) -> Setup {
+    let transmittance = table.half_mirror_transmittance;
+    let reflectance = table.half_mirror_reflectance;
+    if transmittance.is_none() || reflectance.is_none() {
+        warnings.push(format!(
+            "{} does not give both half_mirror_transmittance and half_mirror_reflectance: what is \
+            missing counts as 1, and mu includes it.",
+            file.display()
+        ));
+    }
+    if let (Some(t), Some(r)) = (transmittance, reflectance)
+        && t + r > 1.0
+    {
+        warnings.push(format!(
+            "{}: half_mirror_transmittance {t} and half_mirror_reflectance {r} add up to more \
+            than 1; measure them again",
+            file.display()
+        ));
+    }
+    Setup {
+        pixel_pitch_mm: table.pixel_pitch_mm,
+        seen_in_mirror: table.seen_in_mirror,
+        half_mirror_transmittance: transmittance.unwrap_or(1.0),
+        half_mirror_reflectance: reflectance.unwrap_or(1.0),
+        spectrum: table.wavelength_nm.clone(),
+    }
+}

@@ -1,0 +1,219 @@
+//! Tests of a manifest with every key, and of the campaign that is read from it.
+
+use std::path::Path;
+
+use crate::photographs::Roi;
+use crate::photographs::captures;
+use crate::photographs::edge::accepted::Accepted;
+use crate::photographs::photo::channel::Channel;
+use crate::photographs::photo::transfer::Transfer;
+
+/// A folder with a manifest and an image for it, and the campaign that is read from them.
+fn campaign(manifest: &str) -> (tempfile::TempDir, captures::Campaign) {
+    let folder = tempfile::tempdir().unwrap();
+    let image = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/bad/good.exr");
+    for name in ["source.exr", "one.exr", "two.exr"] {
+        std::fs::copy(&image, folder.path().join(name)).unwrap();
+    }
+    let file = folder.path().join("captures.toml");
+    std::fs::write(&file, manifest).unwrap();
+    let campaign = captures::load(&file).unwrap();
+    (folder, campaign)
+}
+
+#[test]
+fn every_key_arrives_and_captures_override_the_setup() {
+    let (folder, campaign) = campaign(
+        r#"
+        [setup]
+        pixel_pitch_mm = 0.05
+        half_mirror_transmittance = 0.4
+        half_mirror_reflectance = 0.6
+        wavelength_nm = "450:0.2,550:0.5"
+        path_mm = 180
+        roi = [1, 2, 10, 8]
+        tangential_axis_deg = 90
+        transfer = "linear"
+        channel = "luminance"
+        accept = ["doubled"]
+
+        [reference]
+        image = "source.exr"
+        roi = [0, 0, 16, 12]
+
+        [[capture]]
+        image = "one.exr"
+        floating_distance_mm = 150
+        incidence_deg = 30.0
+        azimuth_deg = -60
+        exposure = 6
+
+        [[capture]]
+        image = "two.exr"
+        floating_distance_mm = 300.0
+        incidence_deg = 0
+        exposure = 0x10
+        path_mm = 333.5
+        roi = [0, 1, 3, 4]
+        tangential_axis_deg = -3.5
+        transfer = "srgb"
+        channel = "view.L"
+        "#,
+    );
+    let setup = &campaign.setup;
+    assert_eq!(setup.pixel_pitch_mm, 0.05);
+    assert_eq!(
+        (
+            setup.half_mirror_transmittance,
+            setup.half_mirror_reflectance
+        ),
+        (0.4, 0.6)
+    );
+    let lines: Vec<_> = setup
+        .spectrum
+        .as_ref()
+        .unwrap()
+        .lines()
+        .iter()
+        .map(|line| (line.wavelength_nm, line.weight))
+        .collect();
+    assert_eq!(lines, [(450.0, 0.2), (550.0, 0.5)]);
+    let reference = campaign.reference.as_ref().unwrap();
+    assert_eq!(
+        (reference.exposure, reference.roi),
+        (
+            1.0,
+            Some(Roi {
+                x: 0,
+                y: 0,
+                width: 16,
+                height: 12
+            })
+        )
+    );
+    let [one, two] = &campaign.captures[..] else {
+        panic!("{} captures", campaign.captures.len())
+    };
+    assert_eq!(one.shot.image, folder.path().join("one.exr"));
+    assert_eq!(
+        (one.floating_distance_mm, one.range_mm(), one.shot.exposure),
+        (150.0, 180.0, 6.0)
+    );
+    assert_eq!(
+        (one.incidence_rad(), one.azimuth_rad()),
+        (30_f64.to_radians(), Some(-60_f64.to_radians()))
+    );
+    assert_eq!(one.tangential_axis_rad(), 90_f64.to_radians());
+    assert_eq!(
+        one.shot.roi,
+        Some(Roi {
+            x: 1,
+            y: 2,
+            width: 10,
+            height: 8
+        })
+    );
+    assert_eq!(one.shot.decode.transfer, Some(Transfer::Linear));
+    assert_eq!(
+        (two.range_mm(), two.azimuth_deg, two.tangential_axis_deg),
+        (333.5, None, -3.5)
+    );
+    assert_eq!(two.shot.exposure, 16.0);
+    assert_eq!(
+        two.shot.roi,
+        Some(Roi {
+            x: 0,
+            y: 1,
+            width: 3,
+            height: 4
+        })
+    );
+    assert_eq!(two.shot.decode.transfer, Some(Transfer::Srgb));
+    assert_eq!(two.shot.decode.channel, Channel::Named("view.L".to_owned()));
+    assert_eq!(two.shot.place.line, 26);
+    // Keys in [setup] hold for every photograph.
+    let source = campaign.reference.as_ref().expect("it is named");
+    for shot in [source, &one.shot, &two.shot] {
+        assert_eq!(shot.accepted, [Accepted::Doubled]);
+    }
+    assert_eq!(campaign.warnings, Vec::<String>::new());
+    assert_eq!(one.shot.load().unwrap().width, 16);
+}
+
+#[test]
+fn what_is_left_out_has_a_default_and_a_warning() {
+    let (_folder, campaign) = campaign(
+        "[setup]\npixel_pitch_mm = 1\nwavelength_nm = 550\n\
+         [[capture]]\nimage = \"one.exr\"\nfloating_distance_mm = 1\nincidence_deg = 89.9\n\
+         [[capture]]\nimage = \"one.exr\"\nfloating_distance_mm = 1\nincidence_deg = 0\n",
+    );
+    let capture = &campaign.captures[0];
+    assert_eq!(
+        (
+            capture.shot.exposure,
+            capture.tangential_axis_deg,
+            capture.range_mm()
+        ),
+        (1.0, 0.0, 1.0)
+    );
+    assert_eq!(
+        (capture.shot.roi, &capture.shot.decode.channel),
+        (None, &Channel::Luminance)
+    );
+    assert_eq!(
+        (
+            campaign.setup.half_mirror_transmittance,
+            campaign.setup.half_mirror_reflectance
+        ),
+        (1.0, 1.0)
+    );
+    assert_eq!(
+        campaign.setup.spectrum.as_ref().unwrap().lines()[0].wavelength_nm,
+        550.0
+    );
+    let parts = ["mu includes it", "has no [reference]", "counts twice"];
+    assert_eq!(
+        campaign.warnings.len(),
+        parts.len(),
+        "{:?}",
+        campaign.warnings
+    );
+    for part in parts {
+        assert!(
+            campaign
+                .warnings
+                .iter()
+                .any(|warning| warning.contains(part)),
+            "{part}: {:?}",
+            campaign.warnings
+        );
+    }
+}
+
+#[test]
+fn the_expected_table_is_a_hash_of_either_case() {
+    let hash = "0123456789abcdefABCDEF0123456789abcdefABCDEF0123456789abcdefABCD";
+    let folder = tempfile::tempdir().unwrap();
+    let image = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/bad/good.exr");
+    std::fs::copy(&image, folder.path().join("one.exr")).unwrap();
+    let file = folder.path().join("captures.toml");
+    let read = |key: &str| {
+        let text = format!(
+            "[setup]\npixel_pitch_mm = 0.05\n{key}\n[[capture]]\nimage = \"one.exr\"\n\
+            floating_distance_mm = 150\nincidence_deg = 20\n"
+        );
+        std::fs::write(&file, text).unwrap();
+        captures::read(&file).map(|manifest| manifest.expected_table)
+    };
+    let found = read(&format!("expect_table = \"{hash}\""))
+        .unwrap()
+        .unwrap();
+    assert_eq!((found.hash, found.place.line), (hash.to_lowercase(), 3));
+    assert_eq!(read("").unwrap(), None);
+    let long = format!("{hash}0");
+    let none = hash.replace('0', "g");
+    for bad in [&hash[1..], &long, &none, ""] {
+        let error = read(&format!("expect_table = \"{bad}\"")).unwrap_err();
+        assert!(error.to_string().contains("no content hash"), "{error}");
+    }
+}

@@ -1,0 +1,340 @@
+//! A whole estimate: c, a and mu of a campaign, with their errors, bounds and warnings.
+
+use nalgebra::DVector;
+use tables::Table;
+
+use crate::compare::Weights;
+use crate::estimate::azimuth;
+use crate::estimate::azimuth::Azimuth;
+use crate::estimate::bound::{Bounds, absent, bounds};
+use crate::estimate::choice::{Choice, Value};
+use crate::estimate::error::{Conflict, Error};
+use crate::estimate::fitted::{Estimate, estimate};
+use crate::estimate::forward::Renders;
+use crate::estimate::goodness;
+use crate::estimate::goodness::Goodness;
+use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::mirror;
+use crate::estimate::optimum::refined;
+use crate::estimate::scene::{Scene, Source};
+use crate::estimate::select::{Candidates, Ranked, Selection, select};
+use crate::estimate::suspects::{OtherTable, Search, Suspect};
+use crate::estimate::trusted::{Doubted, Trusted};
+use crate::estimate::verdict;
+use crate::estimate::watch::Watch;
+use crate::model::wave;
+use crate::samples::Sampling;
+use edges::names::{Kernel, Spectrum};
+use edges::numerics::Stop;
+use edges::photographs::Campaign;
+use edges::photographs::photo::channel::Channel;
+
+/// Options of an estimate.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Candidates for the terms of the model.
+    pub candidates: Candidates,
+    /// Loss that is minimised. `None` stands for `edge`, or for `mtf` if the model is evaluated by
+    /// samples.
+    pub loss: Option<Kind>,
+    /// Samples by which the model is evaluated, as published. `None` stands for the closed form.
+    pub samples: Option<Sampling>,
+    /// True to estimate the azimuth of the sheet too: one angle that is added to the azimuths of
+    /// all captures (0 for captures without one).
+    pub fit_azimuth: bool,
+    /// Wavelengths of the source, instead of the campaign's.
+    pub spectrum: Option<Spectrum>,
+    /// Channel of all photographs, instead of the campaign's.
+    pub channel: Option<Channel>,
+    /// Tables that are tried if the first one does not fit.
+    pub others: Vec<OtherTable>,
+}
+
+impl Options {
+    /// Returns the options that `fit estimate` has by default, with these candidates.
+    pub fn new(candidates: Candidates) -> Options {
+        Options {
+            candidates,
+            loss: None,
+            samples: None,
+            fit_azimuth: false,
+            spectrum: None,
+            channel: None,
+            others: Vec::new(),
+        }
+    }
+
+    /// Applies the options to a campaign: its channel, its spectrum, and azimuths where they are
+    /// needed.
+    fn applied(&self, campaign: &Campaign) -> Campaign {
+        let mut campaign = match &self.channel {
+            Some(channel) => campaign.in_channel(channel),
+            None => campaign.clone(),
+        };
+        if let Some(spectrum) = &self.spectrum {
+            campaign.setup.spectrum = Some(spectrum.clone());
+        }
+        if self.fit_azimuth {
+            for capture in &mut campaign.captures {
+                capture.azimuth_deg.get_or_insert(0.0);
+            }
+        }
+        campaign
+    }
+
+    /// Checks that the options fit together, and returns the candidates that they allow.
+    ///
+    /// # Errors
+    /// Returns [`Conflict::AzimuthOfAnother`] if the azimuth is wanted with samples or with a
+    /// baseline, [`Conflict::PixelsBySamples`] if samples are wanted with the loss `edge`, and
+    /// [`Conflict::NoSamples`] if no candidate has samples.
+    fn checked(&self) -> Result<Candidates, Conflict> {
+        let candidates = self.candidates.clone();
+        let of_another = candidates.kernels.iter().any(|kernel| kernel.is_baseline());
+        if self.fit_azimuth && (self.samples.is_some() || of_another) {
+            return Err(Conflict::AzimuthOfAnother);
+        }
+        match self.samples {
+            Some(_) => candidates.with_samples(self.loss),
+            None => Ok(candidates),
+        }
+    }
+
+    /// Returns the loss that is minimised.
+    fn kind(&self) -> Kind {
+        let default = match self.samples {
+            Some(_) => Kind::Mtf,
+            None => Kind::Edge,
+        };
+        self.loss.unwrap_or(default)
+    }
+}
+
+/// Result of an estimate.
+pub struct Estimated {
+    /// Campaign as it was fitted, with the options applied.
+    pub campaign: Campaign,
+    /// Measured photographs of the campaign, as the estimate saw them.
+    pub scene: Scene,
+    /// Estimate of the chosen candidate.
+    pub best: Estimate,
+    /// All candidates, best criterion first.
+    pub compared: Vec<Ranked>,
+    /// Loss that was minimised.
+    pub kind: Kind,
+    /// One-sided bounds of the parameters that the photographs cannot determine.
+    pub bounds: Bounds,
+    /// Quality of the fit: whether the estimate describes the photographs.
+    pub goodness: Goodness,
+    /// Mistakes that would explain why it does not, the best first.
+    pub suspects: Vec<Suspect>,
+    /// Azimuth of the sheet, if it was estimated.
+    pub azimuth: Option<Azimuth>,
+    /// Azimuth after which the cell of the table repeats itself, degrees.
+    pub azimuth_period_deg: f64,
+    /// Inputs that no photograph can check, with the effects of small errors of them.
+    pub trusted: Vec<Trusted>,
+    /// Warnings about the campaign as a whole, one sentence each.
+    pub warnings: Vec<String>,
+    /// Candidate and parameters from which the noise of the pixels was estimated.
+    near: (Choice, DVector<f64>),
+}
+
+impl Estimated {
+    /// Returns the loss, for evaluation at other parameters, such as for a profile of the
+    /// likelihood.
+    pub fn loss(&self) -> Loss<'_> {
+        Loss::new(self.kind, &self.scene, (self.near.0, &self.near.1))
+    }
+}
+
+/// Estimates a sheet from the photographs of a campaign.
+///
+/// It measures the photographs, finds the azimuth if `options` ask for it, chooses the terms, fits
+/// them, and bounds the parameters that the photographs cannot determine. `photo` supplies the
+/// photographs, from their files (`Shot::load`) or from memory.
+///
+/// # Errors
+/// Returns [`Error::Captures`], [`Error::Edge`] or [`Error::Sharper`] if a photograph cannot be
+/// read or measured, [`Error::Direction`] or [`Error::NothingLeft`] if the table lacks its direction
+/// or returns no light, [`Error::Table`] if the table lacks an azimuth that is tried,
+/// [`Error::OneAzimuth`] if an azimuth is wanted and the table has only one, [`Error::Conflict`] if
+/// options exclude each other, [`Error::Wave`] or [`Error::Hollow`] if the only kernel named cannot
+/// be used with the table or the campaign, [`Error::NothingOpen`] if there is no candidate,
+/// [`Error::NoFit`] if the fit fails, and [`Error::Cancelled`] if the flag of `watch` is set.
+pub fn campaign(
+    campaign: &Campaign,
+    photo: &Source,
+    table: &Table,
+    options: &Options,
+    watch: &Watch,
+) -> Result<Estimated, Error> {
+    let candidates = options.checked()?;
+    let campaign = options.applied(campaign);
+    let mut scene = Scene::watched(&campaign, table, photo, watch)?;
+    let mut azimuth = None;
+    if options.fit_azimuth {
+        let choice = azimuth::flexible(&scene);
+        let (found, turned) = azimuth::find(&scene, table, choice, watch)?;
+        (azimuth, scene) = (Some(found), turned);
+    }
+    let (candidates, left_out) = candidates.possible(&scene, table, &campaign.file)?;
+    let Fitted {
+        mut best,
+        compared,
+        bounds,
+        goodness,
+        mut near,
+        sampled,
+    } = fitted(&scene, table, &candidates, options, watch)?;
+    let kind = options.kind();
+    if let Some(found) = &azimuth {
+        best.add_scatter(&azimuth::scatter(&scene, table, found, kind, best.choice)?);
+        near = (best.choice, best.solution.parameters.clone());
+    }
+    if !is_finite(&best) {
+        return Err(Error::NoFit(campaign.file.clone()));
+    }
+    let mut warnings = of_scene(&scene, table, &best);
+    if campaign.setup.seen_in_mirror.is_none() {
+        warnings.extend(match &azimuth {
+            None => mirror::unstated(&scene, table, kind, &best)?,
+            Some(_) => mirror::unstated_azimuth(&scene, table, &best)?,
+        });
+    }
+    let search = Search {
+        campaign: &campaign,
+        photo,
+        table,
+        others: &options.others,
+        scene: &scene,
+        kind,
+        fit: &best,
+        tried: &compared,
+        goodness: &goodness,
+        watch,
+    };
+    let suspects = search.suspects(candidates.per_angle_mu.is_none())?;
+    let doubted = Doubted {
+        scene: &scene,
+        campaign: &campaign,
+        table,
+        others: &options.others,
+        kind,
+        best: &best,
+        bounds: &bounds,
+        azimuth_found: azimuth.is_some(),
+    };
+    let trusted = doubted.trusted();
+    let scene = sampled.unwrap_or(scene);
+    warnings.extend(left_out);
+    warnings.extend(verdict::of_estimate(
+        &scene, &best, &compared, &goodness, &suspects,
+    ));
+    warnings.extend(azimuth.iter().flat_map(verdict::of_azimuth));
+    Ok(Estimated {
+        campaign,
+        scene,
+        best,
+        compared,
+        kind,
+        bounds,
+        goodness,
+        suspects,
+        azimuth,
+        azimuth_period_deg: 360.0 / f64::from(table.provenance.symmetry.rotations.max(1)),
+        trusted,
+        warnings,
+        near,
+    })
+}
+
+/// Result of the fits of one scene.
+struct Fitted {
+    best: Estimate,
+    compared: Vec<Ranked>,
+    bounds: Bounds,
+    goodness: Goodness,
+    near: (Choice, DVector<f64>),
+    /// Scene with the samples of the estimate, if the model was evaluated by samples.
+    sampled: Option<Scene>,
+}
+
+/// Factor on the standard errors above which no bound is computed: the likelihood of a model that
+/// is so far from the photographs says nothing of where a number lies. This is a convention.
+const UNBOUNDED: f64 = 10.0;
+
+/// Chooses the terms, bounds undetermined parameters, and fits by the loss and the forward model of
+/// the options.
+fn fitted(
+    scene: &Scene,
+    table: &Table,
+    candidates: &Candidates,
+    options: &Options,
+    watch: &Watch,
+) -> Result<Fitted, Error> {
+    let kind = options.kind();
+    // Terms and bounds are found in closed form and in units of the noise.
+    let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
+    let selection = select(scene, telling, candidates, watch)?;
+    let telling = goodness::of(scene, &selection.loss, &selection.best);
+    let unit = telling.scale.powi(2);
+    let mut found = Bounds::new();
+    if telling.scale <= UNBOUNDED {
+        found = bounds(scene, &selection.loss, &selection.best, unit);
+        found.extend(absent(scene, &selection, unit));
+    }
+    let Selection {
+        best,
+        compared,
+        near,
+        ..
+    } = selection;
+    let (mut best, goodness, sampled) = if let Some(sampling) = options.samples {
+        let renders = Renders {
+            scene,
+            table,
+            weights: match kind {
+                Kind::Mse => Weights::Even,
+                Kind::Mtf | Kind::Edge => Weights::Noise,
+            },
+            sampling,
+        };
+        let (best, sampled) = renders.estimate(best.choice, watch)?;
+        let loss = Loss::of_mtfs(&sampled, renders.weights);
+        let goodness = goodness::of(&sampled, &loss, &best);
+        (best, goodness, Some(sampled))
+    } else if kind == Kind::Mse {
+        let loss = Loss::Mse(scene);
+        let best = estimate(scene, &loss, refined(scene, &loss, best.optimum()));
+        let goodness = goodness::of(scene, &loss, &best);
+        (best, goodness, None)
+    } else {
+        (best, telling, None)
+    };
+    best.raise(goodness.scales());
+    Ok(Fitted {
+        best,
+        compared,
+        bounds: found,
+        goodness,
+        near,
+        sampled,
+    })
+}
+
+/// Returns the warnings of a scene, after what must be known of its waves if the fit has them.
+fn of_scene(scene: &Scene, table: &Table, best: &Estimate) -> Vec<String> {
+    let mut warnings = match (best.choice.kernel, &scene.spectrum, best.c_mm) {
+        (Kernel::Wave, Some(spectrum), Some(c)) => wave::remarks(table, spectrum, c.value),
+        _ => Vec::new(),
+    };
+    warnings.extend(scene.warnings.iter().cloned());
+    warnings
+}
+
+/// Returns whether all numbers of a fit are finite.
+fn is_finite(best: &Estimate) -> bool {
+    let finite = |value: &Value| value.value.is_finite();
+    best.solution.stop != Stop::Failed && best.chi2.is_finite() && best.values().all(finite)
+}

@@ -1,0 +1,99 @@
+//! Reasons why a campaign has no estimate.
+
+use std::path::PathBuf;
+
+use crate::estimate::watch::Cancelled;
+use crate::model::wave;
+use edges::photographs::captures;
+use edges::photographs::edge::fault::Fault;
+
+/// Reason why an estimate failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Manifest or photograph that cannot be read.
+    #[error(transparent)]
+    Captures(#[from] captures::Error),
+    /// Direction that the table does not have.
+    #[error("{}: capture \"{image}\": {source}", manifest.display())]
+    Direction {
+        /// File of the manifest.
+        manifest: PathBuf,
+        /// Image of the capture.
+        image: String,
+        /// Error of the table. It is boxed, because otherwise every result of the crate would be
+        /// larger.
+        source: Box<tables::Error>,
+    },
+    /// Photograph without a usable edge.
+    #[error("{}: {}", .0.display(), .1)]
+    Edge(PathBuf, Fault),
+    /// Photograph that is sharper than the reference.
+    #[error("{}: capture \"{image}\" is sharper than the [reference], but a sheet only adds blur: \
+             the two photographs may be exchanged, or the reference is out of focus; exchange or \
+             repeat them", manifest.display())]
+    Sharper {
+        /// File of the manifest.
+        manifest: PathBuf,
+        /// Image of the capture.
+        image: String,
+    },
+    /// Campaign in which no capture returns light.
+    #[error("{}: no capture is left: the table says that nothing is retroreflected at the \
+             incidence of any capture; photograph at smaller incidences, or check azimuth_deg",
+             .0.display())]
+    NothingLeft(PathBuf),
+    /// Table without a direction that is needed.
+    #[error(transparent)]
+    Table(#[from] tables::Error),
+    /// Wave kernel named alone, but impossible with this campaign and table.
+    #[error("{}: {}", .0.display(), .1)]
+    Wave(PathBuf, wave::Fault),
+    /// Baseline that needs a front face, named alone for hollow cubes.
+    #[error("{}: --model guo needs a front face, but the table's cubes are hollow (refractive \
+             index 1); choose another --model", .0.display())]
+    Hollow(PathBuf),
+    /// Table that cannot tell the azimuth, and the azimuths that it holds, in words.
+    #[error(
+        "--fit-azimuth: the table says nothing of other azimuths ({0}); bake them all: bake \
+        trace --azimuth full --direction-tolerance 0.005"
+    )]
+    OneAzimuth(&'static str),
+    /// Fit without a finite optimum.
+    #[error("{}: the fit failed (the model is not finite near its starting values); \
+             check pixel_pitch_mm and the distances", .0.display())]
+    NoFit(PathBuf),
+    /// Options that exclude each other.
+    #[error(transparent)]
+    Conflict(#[from] Conflict),
+    /// No candidate left.
+    #[error("no kernel or no lobe shape is left to try; name at least one of each")]
+    NothingOpen,
+    /// Estimate stopped by its caller.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Pair of options that exclude each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Conflict {
+    /// Samples together with the likelihood of pixels.
+    #[error(
+        "--forward render compares MTFs, not pixels; use --loss mtf or --loss mse, or \
+        --forward spectral"
+    )]
+    PixelsBySamples,
+    /// Candidates of which none has samples.
+    #[error(
+        "this model has no samples: --forward render can only do the kernels eq1, angular, shift \
+        and lobe; use --forward spectral"
+    )]
+    NoSamples,
+    /// Azimuth wanted for a model without one, or by samples.
+    #[error(
+        "--fit-azimuth works only in closed form and with the proposed model; leave out --forward \
+        and --model"
+    )]
+    AzimuthOfAnother,
+}

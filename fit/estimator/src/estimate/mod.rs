@@ -1,0 +1,84 @@
+//! Estimates of c, a and mu with their errors, from the photographs of a campaign.
+//!
+//! Photographs from files or from memory, a table, and options enter. An estimate with its terms,
+//! bounds and warnings leaves. [`campaign`] does all of it. Photographs are measured once, into a
+//! scene that nothing rewrites. The room writes no file and prints nothing. It may touch `compare`,
+//! `samples`, `model`, `photographs`, `names` and `numerics`, but not the simulator.
+//!
+//! The files, from the lowest to the highest:
+//!
+//! - [`choice`]: the parameters of a candidate. [`layout`]: their order in a vector.
+//! - [`facing`], [`scene`], `placed`: photographs with their directions. `compared`: their
+//!   models.
+//! - `joint`, [`loss`]: the function that is minimised. [`start`], [`optimum`]: its minimum.
+//! - `covariance`, [`fitted`]: the results that follow from the minimum.
+//! - [`select`](mod@select): the choice of the terms.
+//! - [`bound`], `azimuth`, [`forward`]: bounds, the azimuth, and the estimate by samples.
+//! - [`mod@goodness`], `suspects`: how well the fit describes the photographs, and why it does not.
+//! - `trusted`: effects of what no photograph can check.
+//! - `mirror`, `verdict`: warnings. [`watch`]: progress and cancellation.
+
+mod azimuth;
+pub mod bound;
+pub mod campaign;
+pub mod choice;
+mod compared;
+mod covariance;
+pub mod error;
+pub mod facing;
+pub mod fitted;
+pub mod forward;
+pub mod goodness;
+mod joint;
+pub mod layout;
+pub mod loss;
+mod mirror;
+pub(crate) mod optics;
+pub mod optimum;
+mod placed;
+mod reference;
+mod remarks;
+pub mod scene;
+pub mod select;
+pub mod start;
+mod suspects;
+mod trusted;
+mod verdict;
+pub mod watch;
+
+pub use azimuth::{Azimuth, find, scatter};
+pub use bound::Bound;
+pub(crate) use bound::Bounds;
+pub use bound::{absent, bounds};
+pub use campaign::{Estimated, Options};
+pub use choice::{Choice, Value};
+pub use compared::curve;
+pub use compared::{compare, model};
+pub use error::Conflict;
+pub use error::Error;
+pub use fitted::Estimate;
+pub use fitted::estimate;
+pub use forward::Forward;
+pub use forward::RANDOMISATIONS;
+pub use forward::Renders;
+pub use goodness::of as goodness;
+pub use goodness::{Chances, Goodness, Verdict, Worst};
+pub use joint::{Joint, Used};
+pub use layout::Layout;
+pub use loss::Kind;
+pub use loss::Loss;
+pub use optimum::Optimum;
+pub use optimum::residuals_at;
+pub use optimum::{refined, sum_of_squares_with, tolerance_for};
+pub use placed::{OtherIndex, Placed};
+pub use reference::measure as measured_reference;
+pub use scene::{Aerial, Scene};
+pub use select::Candidates;
+pub use select::Ranked;
+pub use select::Selection;
+pub use select::{CLEAR, own_mu_limit, scatter_of_mu};
+pub use suspects::{OtherTable, Suspect};
+pub use trusted::Doubted;
+pub use trusted::in_words as trusted_in_words;
+pub use trusted::{Effect, Given, Trusted};
+pub use watch::{Step, Watch};

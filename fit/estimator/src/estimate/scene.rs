@@ -1,0 +1,452 @@
+//! A scene, ready for fitting: all photographs of a campaign, measured, each with its direction of
+//! the table.
+//!
+//! Nothing rewrites a scene. Placing it otherwise, or evaluating it by samples, makes another scene
+//! that shares the photographs.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use tables::{Direction, Table};
+
+use crate::compare::Pixels;
+use crate::compare::View;
+use crate::estimate::error::Error;
+use crate::estimate::facing::{Along, Facing, Returned};
+use crate::estimate::optics::Optics;
+use crate::estimate::reference;
+use crate::estimate::reference::Reference;
+use crate::estimate::remarks;
+use crate::estimate::watch::{Step, Watch};
+use crate::model::Camera;
+use crate::model::wave;
+use crate::samples::Sampled;
+use edges::names::Kernel;
+use edges::names::Spectrum;
+use edges::photographs::Measurement;
+use edges::photographs::captures;
+use edges::photographs::measure;
+use edges::photographs::photo::plane::Photo;
+use edges::photographs::photo::taken::Taken;
+use edges::photographs::{Campaign, Capture};
+
+/// Function that supplies the photograph of a shot.
+pub type Source<'a> = dyn Fn(&captures::Shot) -> Result<Photo, captures::Error> + Sync + 'a;
+
+/// One photograph of the mid-air edge, with its direction of the table.
+#[derive(Clone)]
+pub struct Aerial {
+    /// File name as in the manifest.
+    pub image: String,
+    /// Incidence, degrees.
+    pub incidence_deg: f64,
+    /// Floating distance (optical path R), mm.
+    pub r_mm: f64,
+    /// Index into [`Scene::groups`].
+    pub group: usize,
+    /// Exposure relative to that of the reference.
+    pub exposure: f64,
+    /// Relation between stored values and light that was taken for the photograph.
+    pub transfer: Taken,
+    /// Measured edge, shared by all scenes of this photograph.
+    pub view: Arc<View>,
+    /// Pixels of the photograph, shared by all its scenes.
+    pub pixels: Arc<Pixels>,
+    /// Warnings about the photograph, one sentence each.
+    pub warnings: Vec<String>,
+    /// Direction of the table for this photograph.
+    pub facing: Facing,
+    /// True if the camera saw the sheet in the half mirror.
+    pub seen_in_mirror: bool,
+    /// Angle by which the tangential axis lies further than the manifest says, from +x towards +y,
+    /// radians; 0 except in a scene that is [`Scene::placed`] otherwise.
+    pub axis_turn_rad: f64,
+    /// Samples of the photograph, if its model is evaluated by samples.
+    pub sampled: Option<Sampled>,
+}
+
+impl Aerial {
+    /// Returns the edge normal in the mid-air image, (tangential, sagittal).
+    pub fn normal(&self) -> [f64; 2] {
+        let (sin, cos) = self.axis_turn_rad.sin_cos();
+        let [along, clockwise] = self.view.normal();
+        let turned = [along * cos + clockwise * sin, clockwise * cos - along * sin];
+        captures::in_image(turned, self.seen_in_mirror)
+    }
+
+    /// Returns the share of the light that returns before mu, as a kernel counts it.
+    pub fn returned(&self, kernel: Kernel) -> Returned {
+        self.facing.returned_as(kernel)
+    }
+}
+
+/// Measured photographs of a campaign.
+#[derive(Clone)]
+pub struct Scene {
+    /// Photographs in the order of the manifest, without those that return no light.
+    pub shots: Vec<Aerial>,
+    /// Different incidences, degrees, ascending.
+    pub groups: Vec<f64>,
+    /// Measured reference: the photograph of the source edge.
+    pub reference: Option<Arc<Reference>>,
+    /// Camera: box of a pixel, and the lens. Without a reference the lens is assumed.
+    pub optics: Optics,
+    /// Transmittance times reflectance of the half mirror.
+    pub half_mirror: f64,
+    /// Wavelengths of the source, if the campaign names them.
+    pub spectrum: Option<Spectrum>,
+    /// Warnings about the campaign, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Beginning of the warning about a missing reference. It is given once: the manifest may have
+/// caused it already.
+const NO_REFERENCE: &str = "no [reference]";
+
+impl Scene {
+    /// Reads and measures all photographs of a campaign, in parallel.
+    ///
+    /// # Errors
+    /// Returns [`Error::Captures`] if a photograph cannot be read, [`Error::Edge`] if it has no
+    /// usable edge, [`Error::Direction`] if the table neither holds nor brackets its direction, and
+    /// [`Error::NothingLeft`] if no capture returns light.
+    pub fn load(campaign: &Campaign, table: &Table) -> Result<Scene, Error> {
+        Scene::of(campaign, table, &captures::Shot::load)
+    }
+
+    /// Measures the photographs of a campaign that `photo` supplies, in parallel.
+    ///
+    /// # Errors
+    /// Returns [`Error::Captures`] if `photo` fails, [`Error::Edge`] if a photograph has no usable
+    /// edge, [`Error::Direction`] if the table neither holds nor brackets its direction, and
+    /// [`Error::NothingLeft`] if no capture returns light.
+    pub fn of(campaign: &Campaign, table: &Table, photo: &Source) -> Result<Scene, Error> {
+        Scene::watched(campaign, table, photo, &Watch::NOBODY)
+    }
+
+    /// Measures the photographs of a campaign and reports each one to `watch`.
+    ///
+    /// # Errors
+    /// Returns [`Error::Captures`] if `photo` fails, [`Error::Edge`] if a photograph has no usable
+    /// edge, [`Error::Direction`] if the table neither holds nor brackets its direction,
+    /// [`Error::NothingLeft`] if no capture returns light, [`Error::Sharper`] if a capture is
+    /// sharper than the reference, and [`Error::Cancelled`] if the flag of `watch` is set.
+    pub fn watched(
+        campaign: &Campaign,
+        table: &Table,
+        photo: &Source,
+        watch: &Watch,
+    ) -> Result<Scene, Error> {
+        let setup = &campaign.setup;
+        let mut warnings = campaign.warnings.clone();
+        warnings.extend(remarks::of_table(table, campaign));
+        let (reference, optics) = source_edge(campaign, photo, &mut warnings)?;
+        let measuring = Measuring {
+            campaign,
+            table,
+            photo,
+            camera: optics.camera,
+        };
+        let (done, of) = (AtomicUsize::new(0), campaign.captures.len());
+        let read: Vec<Option<Aerial>> = campaign
+            .captures
+            .par_iter()
+            .map(|capture| {
+                let aerial = measuring.aerial(capture)?;
+                let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+                watch.done(Step::Photographs { done, of })?;
+                Ok(aerial)
+            })
+            .collect::<Result<_, Error>>()?;
+        for (capture, _) in campaign
+            .captures
+            .iter()
+            .zip(&read)
+            .filter(|(_, shot)| shot.is_none())
+        {
+            warnings.push(format!(
+                "{}: left out: the table says that nothing is retroreflected at incidence {} deg",
+                name(&capture.shot.image),
+                capture.incidence_deg
+            ));
+        }
+        let mut shots: Vec<Aerial> = read.into_iter().flatten().collect();
+        if shots.is_empty() {
+            return Err(Error::NothingLeft(campaign.file.clone()));
+        }
+        warnings.extend(remarks::of_bins(
+            table,
+            shots
+                .iter()
+                .map(|shot| (&*shot.image, shot.r_mm, &*shot.view)),
+        ));
+        let groups = group(&mut shots);
+        if let Some(reference) = &reference {
+            let sharper = shots
+                .iter()
+                .find(|shot| reference.is_blunter_than(&shot.view));
+            if let Some(shot) = sharper {
+                return Err(Error::Sharper {
+                    manifest: campaign.file.clone(),
+                    image: shot.image.clone(),
+                });
+            }
+            let read = shots.iter().map(|shot| (&*shot.image, &shot.transfer));
+            warnings.extend(remarks::of_transfers(&reference.transfer, read));
+        }
+        Ok(Scene {
+            shots,
+            groups,
+            reference: reference.map(Arc::new),
+            optics,
+            half_mirror: setup.half_mirror_transmittance * setup.half_mirror_reflectance,
+            spectrum: setup.spectrum.clone(),
+            warnings,
+        })
+    }
+
+    /// Returns the scene with these photographs instead of its own.
+    pub(super) fn with(&self, shots: Vec<Aerial>) -> Scene {
+        Scene {
+            shots,
+            groups: self.groups.clone(),
+            reference: self.reference.clone(),
+            optics: self.optics.clone(),
+            half_mirror: self.half_mirror,
+            spectrum: self.spectrum.clone(),
+            warnings: self.warnings.clone(),
+        }
+    }
+
+    /// Returns the scene without one of its photographs. It must have another one.
+    pub fn without(&self, left_out: usize) -> Scene {
+        let mut shots = self.shots.clone();
+        shots.remove(left_out);
+        let groups = group(&mut shots);
+        Scene {
+            groups,
+            ..self.with(shots)
+        }
+    }
+
+    /// Returns the scene with samples, by which the model of each photograph is evaluated.
+    pub fn sampled(&self, samples: Vec<Sampled>) -> Scene {
+        let shots = self
+            .shots
+            .iter()
+            .zip(samples)
+            .map(|(shot, sampled)| Aerial {
+                sampled: Some(sampled),
+                ..shot.clone()
+            });
+        self.with(shots.collect())
+    }
+
+    /// Returns whether light returns in every photograph.
+    pub fn is_lit(&self) -> bool {
+        self.shots
+            .iter()
+            .all(|shot| shot.facing.returned.retroreflected > 0.0)
+    }
+
+    /// Returns the azimuths of all photographs, degrees; 0 for a photograph that needs none.
+    pub fn azimuths_deg(&self) -> Vec<f64> {
+        let own = |shot: &Aerial| shot.facing.azimuth_deg.unwrap_or(0.0);
+        self.shots.iter().map(own).collect()
+    }
+
+    /// Checks that the wave kernel can be computed for every photograph.
+    ///
+    /// # Errors
+    /// Returns the [`wave::Fault`] of the first photograph without waves.
+    pub fn waves(&self) -> Result<(), wave::Fault> {
+        let wave = |shot: &Aerial| shot.facing.wave.as_ref().map(|_| ()).map_err(Clone::clone);
+        self.shots.iter().try_for_each(wave)
+    }
+
+    /// Computes mu of one photograph from the step of its edge under a kernel. The result is NaN
+    /// without a reference.
+    pub fn reflectance(&self, shot: &Aerial, kernel: Kernel, step: f64) -> f64 {
+        self.reference.as_ref().map_or(f64::NAN, |r| {
+            step / shot.exposure
+                / (r.step * shot.returned(kernel).retroreflected * self.half_mirror)
+        })
+    }
+
+    /// Returns the mean floating distance, mm.
+    pub fn mean_distance_mm(&self) -> f64 {
+        self.shots.iter().map(|s| s.r_mm).sum::<f64>() / self.shots.len() as f64
+    }
+}
+
+/// Returns the name of a file without its folder.
+fn name(path: &std::path::Path) -> String {
+    path.file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// Returns the different incidences, ascending, and sets the group of each photograph.
+pub(super) fn group(shots: &mut [Aerial]) -> Vec<f64> {
+    let mut groups: Vec<f64> = shots.iter().map(|s| s.incidence_deg).collect();
+    groups.sort_by(f64::total_cmp);
+    groups.dedup();
+    for shot in shots {
+        let own = groups.iter().position(|&g| g == shot.incidence_deg);
+        shot.group = own.unwrap_or(0);
+    }
+    groups
+}
+
+/// Measures the reference, if the campaign has one; otherwise assumes a lens and adds a warning.
+///
+/// # Errors
+/// Fails if the photograph cannot be read or has no usable edge.
+fn source_edge(
+    campaign: &Campaign,
+    photo: &Source,
+    warnings: &mut Vec<String>,
+) -> Result<(Option<Reference>, Optics), Error> {
+    let pitch_mm = campaign.setup.pixel_pitch_mm;
+    let Some(shot) = &campaign.reference else {
+        if !warnings.iter().any(|said| said.contains(NO_REFERENCE)) {
+            warnings.push(format!(
+                "{NO_REFERENCE} photograph: the blur of the lens is assumed, and mu cannot be \
+                found; photograph the source edge too"
+            ));
+        }
+        return Ok((None, Optics::assumed(pitch_mm)));
+    };
+    let pixel = Camera {
+        pitch_mm,
+        lens: None,
+    };
+    let measured = measure(shot, photo, pitch_mm, 0.0, &pixel)?;
+    let name = name(&shot.image);
+    let notes = measured.warnings.into_iter();
+    warnings.extend(notes.map(|note| format!("{name}: {note}")));
+    let (reference, optics) = reference::measure(&measured.view, measured.pixels, shot.exposure);
+    let reference = Reference {
+        transfer: measured.transfer,
+        ..reference
+    };
+    Ok((Some(reference), optics))
+}
+
+/// A measured photograph.
+struct Measured {
+    view: View,
+    pixels: Pixels,
+    transfer: Taken,
+    warnings: Vec<String>,
+}
+
+/// Decodes a photograph, finds its edge and sorts its pixels.
+///
+/// # Errors
+/// Returns [`Error::Captures`] if the photograph cannot be read, and [`Error::Edge`] if it has no
+/// usable edge.
+fn measure(
+    shot: &captures::Shot,
+    photo: &Source,
+    pitch_mm: f64,
+    tangential_rad: f64,
+    camera: &Camera,
+) -> Result<Measured, Error> {
+    let photo = photo(shot)?;
+    let fault = |fault| Error::Edge(shot.image.clone(), fault);
+    let Measurement {
+        as_lit,
+        line,
+        profile,
+        warnings,
+        ..
+    } = measure::edge(&photo, shot.roi, &shot.accepted).map_err(fault)?;
+    Ok(Measured {
+        pixels: Pixels::new(&as_lit, &line),
+        view: View::new(line, profile, pitch_mm, tangential_rad, camera),
+        transfer: photo.transfer,
+        warnings,
+    })
+}
+
+/// Inputs that the measurement of each photograph of a campaign needs.
+struct Measuring<'a> {
+    campaign: &'a Campaign,
+    table: &'a Table,
+    photo: &'a Source<'a>,
+    camera: Camera,
+}
+
+impl Measuring<'_> {
+    /// Measures one photograph. Returns `None` if the table says that no light returns.
+    ///
+    /// # Errors
+    /// Fails if the table neither holds nor brackets the direction, or if the photograph cannot be
+    /// read or has no usable edge.
+    fn aerial(&self, capture: &Capture) -> Result<Option<Aerial>, Error> {
+        let image = name(&capture.shot.image);
+        let direction = self
+            .table
+            .direction(capture.incidence_deg, capture.azimuth_deg)
+            .map_err(|source| Error::Direction {
+                manifest: self.campaign.file.clone(),
+                image: image.clone(),
+                source: Box::new(source),
+            })?;
+        if direction.retroreflected <= 0.0 {
+            return Ok(None);
+        }
+        let setup = &self.campaign.setup;
+        let Measured {
+            view,
+            pixels,
+            transfer,
+            mut warnings,
+        } = measure(
+            &capture.shot,
+            self.photo,
+            setup.pixel_pitch_mm,
+            capture.tangential_axis_rad(),
+            &self.camera,
+        )?;
+        warnings.extend(self.between(capture, &direction));
+        let along = Along {
+            incidence_rad: capture.incidence_rad(),
+            normal: captures::in_image(view.normal(), setup.is_in_mirror()),
+            spectrum: setup.spectrum.as_ref(),
+        };
+        let index = self.table.provenance.refractive_index;
+        Ok(Some(Aerial {
+            image,
+            incidence_deg: capture.incidence_deg,
+            r_mm: capture.range_mm(),
+            group: 0,
+            exposure: capture.shot.exposure,
+            transfer,
+            view: Arc::new(view),
+            pixels: Arc::new(pixels),
+            warnings,
+            facing: Facing::new(&direction, capture.azimuth_deg, index, along),
+            seen_in_mirror: setup.is_in_mirror(),
+            axis_turn_rad: 0.0,
+            sampled: None,
+        }))
+    }
+
+    /// Returns a warning if the table interpolates this direction without a stated tolerance.
+    fn between(&self, capture: &Capture, direction: &Direction) -> Option<String> {
+        // The tolerance is that of polygons. Without polygons the bins of directions are mixed.
+        let tolerance = self.table.provenance.direction_tolerance;
+        let within = tolerance.is_some() && direction.paths.is_some();
+        (direction.interpolated && !within).then(|| {
+            format!(
+                "incidence {} deg is interpolated between directions of the table, which costs \
+                accuracy (`bake trace` says how much); bake it",
+                capture.incidence_deg
+            )
+        })
+    }
+}

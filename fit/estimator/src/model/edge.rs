@@ -1,0 +1,107 @@
+//! The model of an edge: the OTF of one direction (shift, waves or facets, times a lobe), and the
+//! curve into which it blurs an edge.
+
+use num_complex::Complex64;
+
+use crate::model::baseline::Baseline;
+use crate::model::blur::Blur;
+use crate::model::lobe::Lobe;
+use edges::names::Kernel;
+use edges::names::LobeShape;
+use tables::ShiftLine;
+use tables::WaveLine;
+
+/// Profile of a model over the bins, with its derivatives by the natural logarithms of spread and
+/// c.
+pub struct Curve {
+    /// Mean of the unit edge over each bin.
+    pub bins: Vec<f64>,
+    /// Derivative by ln(spread), if the kernel has a lobe.
+    pub by_ln_spread: Option<Vec<f64>>,
+    /// Derivative by ln(c), if the kernel has c.
+    pub by_ln_c: Option<Vec<f64>>,
+}
+
+/// Blur of one direction along one line: kernel, lobe shape, and the direction's shift or waves.
+#[derive(Clone, Copy)]
+pub struct Model<'a> {
+    /// Terms of the model.
+    pub kernel: Kernel,
+    /// Shape of the kernel's lobe.
+    pub shape: LobeShape,
+    /// Shift of the direction along the edge normal; `None` only for kernels without a shift.
+    pub shift: Option<&'a ShiftLine>,
+    /// Waves of the direction along the edge normal; `None` only for kernels without waves. The OTF
+    /// of a `wave` kernel is NaN without them.
+    pub wave: Option<&'a WaveLine>,
+    /// Facets along the edge normal; `None` except for baselines. The OTF of a baseline is NaN
+    /// without them.
+    pub baseline: Option<Baseline>,
+    /// Floating distance (optical path), mm.
+    pub r_mm: f64,
+    /// Edge normal in the mid-air image, (tangential, sagittal).
+    pub normal: [f64; 2],
+}
+
+impl Model<'_> {
+    /// Evaluates the OTF of the mid-air image at `frequency` (1/mm) along the normal, and its
+    /// derivatives by ln(spread) and ln(c).
+    pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
+        let [sheet, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);
+        let [lobe, by_ln_spread] = self.lobe_otf(blur.spread, frequency);
+        [sheet * lobe, sheet * by_ln_spread, by_ln_c * lobe]
+    }
+
+    /// Evaluates the factor of the OTF that depends on c (shift, waves or a rough front), and its
+    /// derivative by ln(c). They are 1 and 0 if the kernel has no such factor.
+    pub fn sheet_otf(&self, c_mm: f64, frequency: f64) -> [Complex64; 2] {
+        if let Some(facets) = self.baseline {
+            return facets
+                .front_otf(self.shape, c_mm * self.r_mm, frequency)
+                .map(Complex64::from);
+        }
+        match (self.kernel, self.wave, self.shift) {
+            (Kernel::Wave, Some(line), _) => {
+                let (value, by_ln_c) = line.otf(c_mm, self.r_mm, frequency);
+                [value.into(), by_ln_c.into()]
+            }
+            (kernel, ..) if kernel == Kernel::Wave || kernel.is_baseline() => {
+                [Complex64::from(f64::NAN); 2]
+            }
+            (Kernel::Eq1 | Kernel::Angular | Kernel::Shift, _, Some(line)) => {
+                let (value, by_c) = line.otf(c_mm, self.r_mm, frequency);
+                [value, by_c * c_mm]
+            }
+            _ => [Complex64::ONE, Complex64::ZERO],
+        }
+    }
+
+    /// Evaluates the lobe's factor of the OTF, and its derivative by ln(spread). They are 1 and 0
+    /// if the kernel has no lobe.
+    pub fn lobe_otf(&self, spread: f64, frequency: f64) -> [f64; 2] {
+        if let Some(facets) = self.baseline {
+            return facets.own_otf(self.shape, spread * self.r_mm, frequency);
+        }
+        if !self.kernel.has_lobe() {
+            return [1.0, 0.0];
+        }
+        let a = spread / self.kernel.distance_scale(self.r_mm);
+        let (value, slope) = self.shape.otf(a, frequency, self.normal);
+        [value, slope * a]
+    }
+
+    /// Returns the kink of the OTF at frequency 0, -d OTF/d|f| (mm), and its derivatives by
+    /// ln(spread) and ln(c).
+    pub fn kink(&self, blur: Blur) -> [f64; 3] {
+        if let (Kernel::Wave, Some(line)) = (self.kernel, self.wave) {
+            let kink = line.kink(blur.c_mm, self.r_mm);
+            return [kink, 0.0, -kink];
+        }
+        if !self.kernel.has_lobe() || self.kernel.is_baseline() {
+            return [0.0; 3];
+        }
+        let a = blur.spread / self.kernel.distance_scale(self.r_mm);
+        let (kink, slope) = self.shape.kink(a, self.normal);
+        [kink, slope * a, 0.0]
+    }
+}

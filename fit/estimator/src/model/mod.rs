@@ -1,0 +1,27 @@
+//! The blur of a sheet as a transfer function (ray shift, diffraction lobe, wave optics, rough
+//! facets), and that of the camera.
+//!
+//! A direction of the table, a kernel and its numbers enter. The OTF along a line of the image, its
+//! derivatives, and the edge that it blurs leave. Of a photograph the room knows only the
+//! widths of its bins. It may touch `names`, `numerics` and `photographs`.
+
+pub mod baseline;
+mod blur;
+mod camera;
+mod edge;
+mod exits;
+mod lobe;
+pub mod microfacet;
+mod spread;
+pub mod wave;
+
+pub use baseline::Baseline;
+pub use baseline::{fresnel, returned};
+pub use blur::Blur;
+pub use camera::{Camera, Lens};
+pub use edge::{Curve, Model};
+pub(crate) use exits::ExitBins;
+pub use lobe::CUT;
+pub use lobe::Lobe;
+pub(crate) use spread::{Even, Grid};
+pub use wave::Fault;

@@ -1,0 +1,21 @@
+//! Prediction of what a fitted sheet shows at other distances and directions.
+//!
+//! A result and a table of its cell enter. MTF curves and luminances leave, or the nearest lobe for
+//! renderers. The room may touch results, the model and the numerics below it. It draws nothing.
+
+mod curve;
+mod domain;
+pub mod error;
+mod export;
+mod interval;
+mod prediction;
+mod sheet;
+
+pub use domain::{NEAR_MM, Viewpoint, between, remarks};
+pub use error::Error;
+pub use export::Nearest;
+pub use export::{Form, LOST, nearest};
+pub use prediction::Axis;
+pub use prediction::{Around, around};
+pub use prediction::{Places, Prediction, predict};
+pub use sheet::Fitted;

@@ -1,0 +1,24 @@
+//! RESULT.json: an estimate, written to a file and read from it.
+//!
+//! An estimate and its table enter. A structure leaves whose fields are the keys of the file. The
+//! room computes nothing. It knows parameters as types; their text form (`a_per_mm_at_20`) exists
+//! only in the file. It may touch `estimate` and the rooms below it.
+
+mod by_hand;
+mod domain;
+mod nominal;
+mod quality;
+pub(crate) mod report;
+mod table;
+pub mod truth;
+
+pub use by_hand::{ByHand, Spread};
+pub use domain::Domain;
+pub use nominal::Nominal;
+pub use quality::FitResult;
+pub use report::ResultFile;
+pub use report::sharing;
+pub use report::{AtAngle, Candidate, CaptureResult, Number, Parameter, Part};
+pub use table::TableResult;
+
+pub use truth::Truth;

@@ -1,0 +1,544 @@
+//! RESULT.json: the estimate for scripts and for `fit predict`.
+
+use serde::{Deserialize, Serialize};
+
+use crate::estimate::Bounds;
+use crate::estimate::Estimate;
+use crate::estimate::Estimated;
+use crate::estimate::Forward;
+use crate::estimate::Kind;
+use crate::estimate::Ranked;
+use crate::estimate::Trusted;
+use crate::estimate::Value;
+use crate::estimate::{Aerial, Scene};
+use crate::result::domain::Domain;
+use crate::result::quality::FitResult;
+use crate::result::table::TableResult;
+use crate::samples::Sampling;
+use edges::names::LobeShape;
+use edges::names::Spectrum;
+use edges::names::{Family, Kernel};
+use edges::names::{ParameterId, ParameterKind};
+
+/// Parameter with one number for all incidence angles, or with one per angle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Parameter {
+    /// One number per incidence angle.
+    PerAngle {
+        /// Numbers in ascending order of incidence.
+        per_angle: Vec<AtAngle>,
+    },
+    /// One number for all incidence angles.
+    Shared(Number),
+}
+
+/// Number with its error.
+///
+/// The value is null if the photographs give only a bound (see [`ResultFile::bounds`]).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Number {
+    /// Estimate.
+    pub value: Option<f64>,
+    /// Standard error: one standard deviation.
+    pub standard_error: Option<f64>,
+}
+
+/// Number at one incidence angle, with its error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AtAngle {
+    /// Incidence, degrees.
+    pub incidence_deg: f64,
+    /// Estimate.
+    pub value: Option<f64>,
+    /// Standard error: one standard deviation.
+    pub standard_error: Option<f64>,
+}
+
+impl Parameter {
+    /// Returns the value at an incidence angle.
+    ///
+    /// It is linear between the fitted angles and constant beyond them. It is `None` if a value
+    /// that it needs is null.
+    pub fn at(&self, incidence_deg: f64) -> Option<f64> {
+        let parts = self.parts(incidence_deg);
+        let of = |part: &Part| Some(part.weight * part.value?);
+        (!parts.is_empty()).then(|| parts.iter().map(of).sum())?
+    }
+
+    /// Returns the numbers whose weighted mean is the value at an incidence angle.
+    pub(crate) fn parts(&self, incidence_deg: f64) -> Vec<Part> {
+        let per_angle = match self {
+            Parameter::Shared(number) => {
+                return vec![Part {
+                    incidence_deg: None,
+                    value: number.value,
+                    weight: 1.0,
+                }];
+            }
+            Parameter::PerAngle { per_angle } => per_angle,
+        };
+        let part = |number: &AtAngle, weight: f64| Part {
+            incidence_deg: Some(number.incidence_deg),
+            value: number.value,
+            weight,
+        };
+        let beyond = |number: &AtAngle| number.incidence_deg >= incidence_deg;
+        match per_angle.iter().position(beyond) {
+            Some(0) => vec![part(&per_angle[0], 1.0)],
+            None => per_angle
+                .last()
+                .map(|last| part(last, 1.0))
+                .into_iter()
+                .collect(),
+            Some(i) => {
+                let (a, b) = (&per_angle[i - 1], &per_angle[i]);
+                let whole = b.incidence_deg - a.incidence_deg;
+                let weights = [
+                    b.incidence_deg - incidence_deg,
+                    incidence_deg - a.incidence_deg,
+                ];
+                let [of_a, of_b] = weights.map(|weight| weight / whole);
+                let parts = [part(a, of_a), part(b, of_b)];
+                parts.into_iter().filter(|part| part.weight > 0.0).collect()
+            }
+        }
+    }
+}
+
+/// Part of a parameter's value at an incidence angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// Incidence that the number belongs to, degrees; `None` if all angles share it.
+    pub incidence_deg: Option<f64>,
+    /// Estimate.
+    pub value: Option<f64>,
+    /// Share of the number in the value.
+    pub weight: f64,
+}
+
+/// Covariance of the parameters, with rows and columns in the order of `names`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Covariance {
+    /// Names of the parameters.
+    ///
+    /// They are c_mm, a_per_mm or a_times_r, and mu, followed by `_at_<incidence>` if there is one
+    /// number per angle.
+    pub names: Vec<ParameterId>,
+    /// Covariance matrix.
+    ///
+    /// An entry is null if it is not finite: the photographs do not determine these parameters, or
+    /// they cannot tell them apart. A warning says so.
+    pub matrix: Vec<Vec<Option<f64>>>,
+}
+
+/// Model that was compared with the others.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// Kernel: the terms of the blur.
+    pub kernel: Kernel,
+    /// Shape of the lobe; null without a lobe.
+    pub lobe: Option<LobeShape>,
+    /// Sharing of a (for a baseline, of the roughness): shared by all angles, or one per angle.
+    pub sharing: String,
+    /// Bayes' information criterion; smaller is better.
+    pub criterion: f64,
+    /// Sum of squares of the residuals in units of their noise, with correlations removed.
+    pub loss: f64,
+    /// Count of parameters of the blur.
+    pub parameters: usize,
+}
+
+/// MTF of one photograph, measured and modelled with the same estimator.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Curves {
+    /// Frequencies along the edge normal, 1/mm.
+    pub frequency_per_mm: Vec<f64>,
+    /// MTF of the photograph.
+    pub measured: Vec<f64>,
+    /// Standard error of `measured`.
+    pub standard_error: Vec<f64>,
+    /// MTF of the estimate.
+    pub modelled: Vec<f64>,
+}
+
+/// One photograph.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CaptureResult {
+    /// Name of the file.
+    pub image: String,
+    /// Incidence, degrees.
+    pub incidence_deg: f64,
+    /// Distance R: optical path from the sheet to the image, mm.
+    pub floating_distance_mm: f64,
+    /// Relation of the file's values to light that was taken, such as `linear` or `sRGB`; empty in
+    /// older results.
+    #[serde(default)]
+    pub transfer: String,
+    /// Origin of this relation: the key `transfer`, a part of the file, or the default of the
+    /// format; empty in older results.
+    #[serde(default)]
+    pub transfer_from: String,
+    /// Direction of the edge normal, degrees: 0 is right (+x), 90 is down (+y).
+    pub edge_angle_deg: f64,
+    /// Frequency at which the measured MTF falls to one half, 1/mm.
+    ///
+    /// It is null if the MTF stays above one half.
+    pub mtf50_per_mm: Option<f64>,
+    /// Mean squared difference of the MTFs.
+    pub loss: f64,
+    /// Warnings: repairs, assumptions and doubts about this photograph.
+    pub warnings: Vec<String>,
+    /// MTF curves.
+    pub curves: Curves,
+}
+
+/// Camera that was used.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CameraResult {
+    /// Width of a pixel in the plane of the mid-air image, mm.
+    pub pixel_pitch_mm: f64,
+    /// Blur of the lens, mm, in its OTF exp(-(f blur)^exponent).
+    ///
+    /// It is null in results of earlier versions that had no reference photograph.
+    pub lens_blur_mm: Option<f64>,
+    /// Exponent of the lens' OTF; null like the blur.
+    pub lens_exponent: Option<f64>,
+    /// True if there is no reference photograph, so that the lens was assumed.
+    #[serde(default)]
+    pub lens_assumed: bool,
+}
+
+/// Samples of a rendered model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SamplingResult {
+    /// Count of samples per pixel, their sequence, and their seed.
+    #[serde(flatten)]
+    pub sampling: Sampling,
+    /// Standard deviation of every parameter that the samples alone cause.
+    ///
+    /// The order is that of [`Covariance::names`]. The standard errors include it.
+    pub standard_error: Vec<f64>,
+}
+
+/// Content of RESULT.json.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResultFile {
+    /// Model of the sheet: the proposed one or a baseline; absent from older results.
+    #[serde(default)]
+    pub model: Family,
+    /// Kernel: the terms of the blur.
+    pub kernel: Kernel,
+    /// Shape of the lobe; null without a lobe.
+    pub lobe: Option<LobeShape>,
+    /// Loss that was minimised.
+    pub loss: Kind,
+    /// Method by which the model was evaluated.
+    #[serde(default)]
+    pub forward: Forward,
+    /// Samples of the model; null if it was evaluated in closed form.
+    #[serde(default)]
+    pub sampling: Option<SamplingResult>,
+    /// Count of evaluations by the solver.
+    pub iterations: usize,
+    /// Reason why the solver stopped.
+    pub stop: String,
+    /// Wall time from the first file that was read to the estimate, seconds.
+    pub seconds: f64,
+    /// Wavelengths of the source, nm; null if none is named.
+    #[serde(default)]
+    pub wavelength_nm: Option<Spectrum>,
+    /// Corner size c, mm; null under `lobe` and baselines.
+    pub c_mm: Option<Number>,
+    /// Diffraction spread a, 1/mm; null under `angular`, `shift`, `wave` and baselines.
+    pub a_per_mm: Option<Parameter>,
+    /// Diffraction spread A = a R, without unit; null except under `angular`.
+    pub a_times_r: Option<Parameter>,
+    /// Roughness of a baseline's facets, without unit; null under the proposed model.
+    #[serde(default)]
+    pub roughness: Option<Parameter>,
+    /// Roughness of a baseline's front face, without unit; null if it is no separate parameter.
+    #[serde(default)]
+    pub surface_roughness: Option<Number>,
+    /// Reflectance mu; null without a reference photograph.
+    pub mu: Option<Parameter>,
+    /// Angle that `--fit-azimuth` added to the captures' azimuths, degrees; absent without this
+    /// option.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub azimuth_deg: Option<Number>,
+    /// Covariance of all parameters above.
+    pub covariance: Covariance,
+    /// Bounds of the parameters that the photographs cannot determine, at 95 %.
+    pub bounds: Bounds,
+    /// Models that were compared, with the best criterion first.
+    pub candidates: Vec<Candidate>,
+    /// Relation of the reference's values to light that was taken, such as `linear` or `sRGB`;
+    /// absent without a reference photograph and from older results.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_transfer: Option<String>,
+    /// Origin of this relation; absent together with it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_transfer_from: Option<String>,
+    /// Photographs in the order of the manifest.
+    pub captures: Vec<CaptureResult>,
+    /// Camera that was used.
+    pub camera: CameraResult,
+    /// Transmittance times reflectance of the half mirror.
+    pub half_mirror: f64,
+    /// True if the camera saw the sheet in the half mirror, as the fit took it; absent from older
+    /// results, which were fitted as if it were true.
+    #[serde(default)]
+    pub seen_in_mirror: Option<bool>,
+    /// Quality of the fit; absent from older results.
+    #[serde(default)]
+    pub fit: Option<FitResult>,
+    /// Distances and directions of the photographs; absent from older results.
+    #[serde(default)]
+    pub domain: Option<Domain>,
+    /// Inputs that no photograph can check, with the effects of small errors of them; empty in
+    /// older results.
+    #[serde(default)]
+    pub trusted: Vec<Trusted>,
+    /// Table that was used.
+    pub table: TableResult,
+    /// Warnings about the campaign as a whole.
+    pub warnings: Vec<String>,
+}
+
+impl ResultFile {
+    /// Converts an estimate, its table and the seconds that it took to the content of a result
+    /// file.
+    pub fn new(estimated: &Estimated, table: TableResult, seconds: f64) -> ResultFile {
+        let Estimated { scene, best, .. } = estimated;
+        let kernel = best.choice.kernel;
+        let written = Written { estimated };
+        let is_rough = kernel.is_baseline();
+        let lens = best.camera.lens;
+        let reference = scene.reference.as_ref().map(|own| &own.transfer);
+        ResultFile {
+            model: kernel.family(),
+            kernel,
+            lobe: kernel.has_lobe().then_some(best.choice.shape),
+            loss: estimated.kind,
+            forward: match best.sampling {
+                Some(_) => Forward::Render,
+                None => Forward::Spectral,
+            },
+            sampling: best.sampling.as_ref().map(|own| SamplingResult {
+                sampling: own.sampling,
+                standard_error: own.standard_error.clone(),
+            }),
+            iterations: best.solution.iterations,
+            stop: best.solution.stop.name().into(),
+            seconds,
+            wavelength_nm: scene.spectrum.clone(),
+            c_mm: written.size().filter(|_| !is_rough),
+            a_per_mm: written.spread(ParameterKind::APerMm),
+            a_times_r: written.spread(ParameterKind::ATimesR),
+            roughness: written.spread(ParameterKind::Roughness),
+            surface_roughness: written.size().filter(|_| is_rough),
+            mu: best
+                .mu
+                .as_ref()
+                .and_then(|mu| written.parameter(ParameterKind::Mu, mu, best.choice.per_angle_mu)),
+            azimuth_deg: estimated.azimuth.as_ref().map(|found| Number {
+                value: Some(found.deg.value),
+                standard_error: Some(found.deg.standard_error),
+            }),
+            covariance: covariance(best),
+            bounds: estimated.bounds.clone(),
+            candidates: estimated.compared.iter().map(candidate).collect(),
+            reference_transfer: reference.map(|taken| taken.name.clone()),
+            reference_transfer_from: reference.map(|taken| taken.from.clone()),
+            captures: captures(scene, best),
+            camera: CameraResult {
+                pixel_pitch_mm: scene.optics.camera.pitch_mm,
+                lens_blur_mm: lens.map(|l| l.blur_mm),
+                lens_exponent: lens.map(|l| l.exponent),
+                lens_assumed: scene.optics.assumed,
+            },
+            half_mirror: scene.half_mirror,
+            seen_in_mirror: Some(estimated.campaign.setup.is_in_mirror()),
+            fit: Some(FitResult::new(&estimated.goodness, &estimated.suspects)),
+            domain: Some(Domain::of(scene, estimated.azimuth_period_deg)),
+            trusted: estimated.trusted.clone(),
+            table,
+            warnings: estimated.warnings.clone(),
+        }
+    }
+}
+
+/// Numbers of an estimate as the file has them.
+struct Written<'a> {
+    estimated: &'a Estimated,
+}
+
+impl Written<'_> {
+    /// Returns a number as the file has it.
+    ///
+    /// The value is null if it is only bounded. The error is null if it is not finite.
+    fn number(&self, id: ParameterId, value: Value) -> Number {
+        let bounded = self.estimated.bounds.contains_key(&id);
+        let error = value.standard_error;
+        Number {
+            value: (!bounded).then_some(value.value),
+            standard_error: (!bounded && error.is_finite()).then_some(error),
+        }
+    }
+
+    /// Returns a parameter that has one value, or one for every incidence.
+    fn parameter(
+        &self,
+        kind: ParameterKind,
+        values: &[Value],
+        per_angle: bool,
+    ) -> Option<Parameter> {
+        if !per_angle {
+            let first = values.first()?;
+            return Some(Parameter::Shared(self.number(kind.shared(), *first)));
+        }
+        let entry = |(&incidence_deg, &v): (&f64, &Value)| {
+            let Number {
+                value,
+                standard_error,
+            } = self.number(kind.at(incidence_deg), v);
+            AtAngle {
+                incidence_deg,
+                value,
+                standard_error,
+            }
+        };
+        let groups = &self.estimated.scene.groups;
+        let per_angle = groups.iter().zip(values).map(entry).collect();
+        Some(Parameter::PerAngle { per_angle })
+    }
+
+    /// Returns the spread if it is of this kind.
+    fn spread(&self, kind: ParameterKind) -> Option<Parameter> {
+        let best = &self.estimated.best;
+        let kernel = best.choice.kernel;
+        (kernel.has_lobe() && ParameterKind::spread_of(kernel) == kind)
+            .then(|| self.parameter(kind, &best.spread, best.choice.per_angle_a))
+            .flatten()
+    }
+
+    /// Returns c, or the roughness of the front face of a baseline.
+    fn size(&self) -> Option<Number> {
+        let best = &self.estimated.best;
+        let id = ParameterKind::size_of(best.choice.kernel).shared();
+        best.c_mm.map(|size| self.number(id, size))
+    }
+}
+
+/// Converts a row of the comparison.
+fn candidate(row: &Ranked) -> Candidate {
+    let kernel = row.choice.kernel;
+    Candidate {
+        kernel,
+        lobe: kernel.has_lobe().then_some(row.choice.shape),
+        sharing: sharing(kernel, row.choice.per_angle_a),
+        criterion: row.criterion,
+        loss: row.chi2,
+        parameters: row.parameters,
+    }
+}
+
+impl ResultFile {
+    /// Returns the spread: a, a R or the roughness, whichever the kernel has.
+    pub fn spread(&self) -> Option<&Parameter> {
+        let a = self.a_per_mm.as_ref().or(self.a_times_r.as_ref());
+        a.or(self.roughness.as_ref())
+    }
+}
+
+/// Describes how the spread is shared by the incidence angles, for example "a per angle".
+pub fn sharing(kernel: Kernel, per_angle: bool) -> String {
+    let name = if kernel.is_baseline() {
+        "roughness"
+    } else {
+        "a"
+    };
+    match (kernel.has_lobe(), per_angle) {
+        (false, _) => "none".into(),
+        (true, false) => format!("{name} shared"),
+        (true, true) => format!("{name} per angle"),
+    }
+}
+
+/// Converts the covariance; entries that are not finite become null.
+fn covariance(best: &Estimate) -> Covariance {
+    let finite = |&v: &f64| v.is_finite().then_some(v);
+    let rows = best.covariance.row_iter();
+    Covariance {
+        names: best.parameters.clone(),
+        matrix: rows.map(|row| row.iter().map(finite).collect()).collect(),
+    }
+}
+
+/// Converts all photographs with their curves.
+fn captures(scene: &Scene, best: &Estimate) -> Vec<CaptureResult> {
+    let shots = scene.shots.iter().zip(&best.modelled).zip(&best.losses);
+    shots
+        .map(|((shot, modelled), &loss)| capture(shot, modelled, loss))
+        .collect()
+}
+
+/// Converts one photograph with its curves.
+fn capture(shot: &Aerial, modelled: &[f64], loss: f64) -> CaptureResult {
+    let view = &shot.view;
+    CaptureResult {
+        image: shot.image.clone(),
+        incidence_deg: shot.incidence_deg,
+        floating_distance_mm: shot.r_mm,
+        transfer: shot.transfer.name.clone(),
+        transfer_from: shot.transfer.from.clone(),
+        edge_angle_deg: view.line.normal_rad.to_degrees(),
+        mtf50_per_mm: view.mtf50_per_mm(),
+        loss,
+        warnings: shot.warnings.clone(),
+        curves: Curves {
+            frequency_per_mm: view.estimator.frequencies_per_mm.clone(),
+            measured: view.mtf.modulus.clone(),
+            standard_error: view.mtf_standard_error.clone(),
+            modelled: modelled.to_vec(),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Compares values between and beyond the fitted angles with values calculated by hand. All
+    /// numbers are short binary fractions, so the results are exact.
+    #[test]
+    fn a_value_between_two_angles_has_the_weights_of_a_straight_line() {
+        let at = |incidence_deg: f64, value: f64| AtAngle {
+            incidence_deg,
+            value: Some(value),
+            standard_error: None,
+        };
+        let parameter = Parameter::PerAngle {
+            per_angle: vec![at(0.0, 3.0), at(40.0, 7.0), at(50.0, 2.0)],
+        };
+        for (incidence_deg, expected) in [
+            (-5.0, 3.0),
+            (0.0, 3.0),
+            // 3/4 of 3 and 1/4 of 7.
+            (10.0, 4.0),
+            (20.0, 5.0),
+            (35.0, 6.5),
+            (40.0, 7.0),
+            // 3/4 of 7 and 1/4 of 2.
+            (42.5, 5.75),
+            (50.0, 2.0),
+            (60.0, 2.0),
+        ] {
+            assert_eq!(
+                parameter.at(incidence_deg),
+                Some(expected),
+                "{incidence_deg}"
+            );
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Simulated campaigns: photographs with a planted answer, the truth.
+//!
+//! Parameters enter. Photographs with noise, their manifest and the truth leave. The room computes
+//! in another way than the model, so that an estimate from its photographs tests the model: shifts
+//! in closed form, convolutions in space, no OTF. So it may touch `names`, `document` and plain
+//! `numerics`, but neither the model nor `photographs`. Sheets that a table describes come from the
+//! crate `tables`.
+
+pub(crate) mod cell;
+pub mod error;
+mod jpeg;
+mod lobe_edge;
+mod noise;
+mod params;
+pub(crate) mod photograph;
+mod profile;
+mod sheet;
+mod wave_edge;
+pub mod write;
+
+pub(crate) use error::Error;
+pub(crate) use noise::PixelNoise;
+pub use params::Params;
+pub(crate) use params::lobe;
+pub(crate) use params::{ByIncidence, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot};
+pub(crate) use write::run;

@@ -1,0 +1,35 @@
+//! Tests of several modules together.
+
+#![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
+
+mod azimuth;
+mod baselines;
+mod by_hand;
+mod campaign;
+mod carried;
+mod channels;
+mod correlation;
+mod edge;
+mod estimate;
+mod exponent;
+mod facing;
+mod forward;
+mod goodness;
+mod known;
+mod lamps;
+mod mirror;
+mod nominal;
+mod one_sided;
+mod pixels;
+mod placed;
+mod prediction;
+#[cfg(feature = "raw")]
+mod raw;
+mod sample;
+mod selection;
+mod simulate_campaign;
+mod statistics;
+mod study;
+mod suspects;
+mod trusted;
+mod wave;

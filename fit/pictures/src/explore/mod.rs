@@ -1,0 +1,27 @@
+//! Page in which a designer moves sliders and sees the mid-air image at once (features `images` and
+//! `report`).
+//!
+//! A result, a table and pictures enter. One self-contained page in HTML leaves as bytes. Its
+//! numbers are computed here ahead: the transform of the ray shift on a `grid` of directions. The
+//! page mixes the nodes of the grid and convolves; `mixed` does the same in Rust, so that the
+//! error of mixing can be measured and stated. The room may touch images and the rooms below them.
+
+mod gaps;
+mod grid;
+mod lattice;
+mod mixed;
+mod page;
+mod scaling;
+mod search;
+mod span;
+mod stencil;
+mod unit;
+
+pub use grid::Error;
+#[cfg(test)]
+pub(crate) use mixed::misfit_of;
+pub use page::{Explorer, Source, Start, page};
+pub use search::WANTED;
+#[cfg(test)]
+pub(crate) use search::grid;
+pub use span::Span;

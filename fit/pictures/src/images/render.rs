@@ -1,0 +1,245 @@
+//! Mid-air image of a picture: the picture blurred and dimmed by a fitted sheet.
+//!
+//! The picture is the source as it appears in the mid-air image: upright, one luminance per pixel.
+//! The area outside the picture is black.
+
+pub mod psf;
+pub mod sampled;
+pub(crate) mod tiles;
+pub(crate) mod transform;
+pub mod view;
+
+use std::path::PathBuf;
+
+use crate::images::render::psf::{LARGEST, Psf};
+use crate::images::render::tiles::Tiles;
+use crate::images::render::transform::Convolver;
+use crate::images::render::view::{CameraView, Seen};
+use rayon::prelude::*;
+
+use crate::images::spot::{Sheet, Viewpoint};
+use crate::images::watch::{Pieces, Watch};
+use edges::photographs::photo::picture::Picture;
+
+/// Reason why an image cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[allow(
+    missing_docs,
+    reason = "the message of a variant says what its fields are"
+)]
+#[non_exhaustive]
+pub enum Error {
+    /// Output file that ends neither in .exr nor in .png.
+    #[error("{}: an image is written as .exr or .png; give one of these endings", .0.display())]
+    Ending(PathBuf),
+    /// Image that the encoder cannot write, and its message.
+    #[error("{}: the image could not be encoded ({}); try the other of .exr and .png",
+        .0.display(), .1)]
+    Encode(PathBuf, String),
+    /// Sheet without a blur at this place.
+    #[error(transparent)]
+    Sheet(#[from] estimator::predict::Error),
+    /// Blur that reaches too many pixels.
+    #[error(
+        "the blur at incidence {incidence_deg} deg, distance {r_mm} mm is {size} pixels wide, and \
+        at most {LARGEST} are computed; give the size of the picture as --width, mm, so that it \
+        gets fewer pixels (which loses nothing under such a blur), or a larger one"
+    )]
+    Wide {
+        incidence_deg: f64,
+        r_mm: f64,
+        size: usize,
+    },
+    /// View file that cannot be read.
+    #[error(transparent)]
+    CameraView(#[from] edges::document::Error),
+    /// Camera that is behind the sheet, at a column and row from the middle of the picture.
+    #[error("{}: the camera sees the back of the sheet at pixel ({:.0}, {:.0}); turn `normal` of \
+        [sheet] towards the camera", .0.display(), .1[0], .1[1])]
+    Back(PathBuf, [f64; 2]),
+    /// Sheet in front of the image, at a column and row from the middle of the picture.
+    #[error("{}: at pixel ({:.0}, {:.0}) the sheet is not behind the image; move `position_mm` of \
+        [sheet] away from the camera", .0.display(), .1[0], .1[1])]
+    Before(PathBuf, [f64; 2]),
+    /// Camera in the plane of the image.
+    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] in front \
+        of the image", .0.display())]
+    Edge(PathBuf),
+    /// Model without samples: only its OTF is known.
+    #[error(
+        "the model of this result has no samples: --forward render works only with the kernels \
+        eq1, angular, shift and lobe; use --forward spectral"
+    )]
+    NoSamples,
+    /// Pixel, by column and row, whose blur cannot be computed.
+    #[error("at pixel ({:.0}, {:.0}) of the view: {}", .0[0], .0[1], .1)]
+    Pixel([f64; 2], Box<Error>),
+}
+
+/// Scale and orientation of a picture in the mid-air image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    /// Width of a pixel in the plane of the image, mm.
+    pub pitch_mm: f64,
+    /// Direction of the tangential axis, degrees: 0 is right (+x, columns), 90 is down (+y, rows).
+    pub tangential_axis_deg: f64,
+    /// True if the sheet is seen in the half mirror: the sagittal axis is then 90 degrees clockwise
+    /// from the tangential one, else counter-clockwise.
+    pub seen_in_mirror: bool,
+}
+
+impl Scale {
+    /// Returns the matrix that converts (tangential, sagittal) mm to (columns, rows).
+    pub(crate) fn pixels_from_mm(&self) -> [[f64; 2]; 2] {
+        let (sine, cosine) = self.tangential_axis_deg.to_radians().sin_cos();
+        let clockwise = [-sine, cosine].map(|v| if self.seen_in_mirror { v } else { -v });
+        [[cosine, clockwise[0]], [sine, clockwise[1]]].map(|row| row.map(|v| v / self.pitch_mm))
+    }
+}
+
+/// Computes the weights of the blur for a picture whose pixels are all seen from one direction.
+///
+/// Where mu is not known, [`Psf::energy`] is `None`, and [`uniform`] uses 1.
+///
+/// # Errors
+/// Returns an [`Error`] if the sheet has no blur at this place, or if the blur is too wide.
+pub fn uniform_psf(sheet: &dyn Sheet, place: &Viewpoint, scale: &Scale) -> Result<Psf, Error> {
+    Psf::new(sheet, place, scale.pixels_from_mm())
+}
+
+/// Renders a picture with one blur and one brightness for all pixels.
+///
+/// This is the far field: every pixel is seen at the same incidence and distance. The sum of each
+/// colour plane is the energy times that of the source, except for the light that is blurred past
+/// the frame.
+pub fn uniform(source: &Picture, psf: &Psf, watch: Watch<'_>) -> Picture {
+    let energy = psf.energy.unwrap_or(1.0) as f32;
+    let size = [source.width, source.height];
+    let planes = if energy == 0.0 {
+        vec![vec![0.0; source.width * source.height]; source.planes.len()]
+    } else {
+        let convolver = Convolver::new(size, psf.reach);
+        let mut scaled = psf.clone();
+        scaled
+            .weights
+            .iter_mut()
+            .for_each(|weight| *weight *= energy);
+        let weights = convolver.weights(&scaled);
+        let pieces = Pieces::new(watch, "colours", source.planes.len());
+        let planes = source.planes.iter();
+        planes
+            .map(|plane| {
+                let blurred = convolver.blur(plane, &weights);
+                pieces.one();
+                blurred
+            })
+            .collect()
+    };
+    Picture {
+        planes,
+        warnings: Vec::new(),
+        ..*source
+    }
+}
+
+/// Renders the image that a camera sees: every pixel has its own blur and brightness.
+///
+/// The error is at most `tolerance` of the greatest energy (see `Tiles`). If the view has a
+/// coating, the reflection of the source in the front face of the sheet is added: `half_mirror`
+/// times the share that the face reflects by Fresnel's equations.
+///
+/// # Errors
+/// Returns the error of [`CameraView::at`] if the view does not show the sheet, and
+/// [`Error::Pixel`] if the blur of a pixel cannot be computed.
+pub fn viewed(
+    source: &Picture,
+    sheet: &dyn Sheet,
+    view: &CameraView,
+    half_mirror: f64,
+    tolerance: f64,
+    watch: Watch<'_>,
+) -> Result<(Picture, Tiles), Error> {
+    let size = [source.width, source.height];
+    let seen = seen_by(view, source);
+    let tiles = Tiles::new(size, tolerance, watch, |at| -> Result<Psf, Error> {
+        let Seen {
+            place,
+            pixels_from_mm,
+            ..
+        } = seen(at)?;
+        let psf = Psf::new(sheet, &place, pixels_from_mm);
+        psf.map_err(|error| Error::Pixel(at.map(|side| side.max(0.0)), Box::new(error)))
+    })?;
+    let mut planes = tiles.render(&source.planes, size, watch);
+    coat(&mut planes, source, view, half_mirror)?;
+    let image = Picture {
+        planes,
+        warnings: Vec::new(),
+        ..*source
+    };
+    Ok((image, tiles))
+}
+
+/// Returns a function that says how the view shows the pixel at (column, row) of a picture.
+fn seen_by<'a>(
+    view: &'a CameraView,
+    source: &Picture,
+) -> impl Fn([f64; 2]) -> Result<Seen, Error> + Sync + use<'a> {
+    let middle = middle(source);
+    move |[x, y]| view.at([x - middle[0], y - middle[1]])
+}
+
+/// Returns the middle of a picture, in columns and rows from the middle of its first pixel.
+fn middle(source: &Picture) -> [f64; 2] {
+    [source.width, source.height].map(|n| 0.5 * (n as f64 - 1.0))
+}
+
+/// Adds the reflection of the source in the front face of the sheet, if the face is coated.
+///
+/// # Errors
+/// Returns the error of [`CameraView::at`] if the view does not show the sheet at a pixel.
+fn coat(
+    planes: &mut [Vec<f32>],
+    source: &Picture,
+    view: &CameraView,
+    half_mirror: f64,
+) -> Result<(), Error> {
+    let Some(index) = view.coating else {
+        return Ok(());
+    };
+    let (size, middle) = ([source.width, source.height], middle(source));
+    let seen = seen_by(view, source);
+    for (plane, own) in planes.iter_mut().zip(&source.planes) {
+        let rows = plane.par_chunks_exact_mut(source.width).enumerate();
+        rows.try_for_each(|(y, row)| -> Result<(), Error> {
+            for (x, value) in row.iter_mut().enumerate() {
+                let Seen {
+                    place, mirrored, ..
+                } = seen([x as f64, y as f64])?;
+                if let Some([column, row]) = mirrored {
+                    let share = half_mirror * view::fresnel(index, place.incidence_deg);
+                    let at = [column + middle[0], row + middle[1]];
+                    *value += share as f32 * bilinear(own, size, at);
+                }
+            }
+            Ok(())
+        })?;
+    }
+    Ok(())
+}
+
+/// Interpolates a plane linearly between the middles of its pixels; outside it is black.
+fn bilinear(plane: &[f32], [width, height]: [usize; 2], [x, y]: [f64; 2]) -> f32 {
+    let (left, top) = (x.floor(), y.floor());
+    let (across, down) = ((x - left) as f32, (y - top) as f32);
+    let at = |column: f64, row: f64| {
+        let inside = column >= 0.0 && row >= 0.0 && column < width as f64 && row < height as f64;
+        if inside {
+            plane[row as usize * width + column as usize]
+        } else {
+            0.0
+        }
+    };
+    let line = |row: f64| at(left, row) * (1.0 - across) + at(left + 1.0, row) * across;
+    line(top) * (1.0 - down) + line(top + 1.0) * down
+}

@@ -1,0 +1,227 @@
+//! Spots of a fitted sheet: the image of a point of light at any place, from a result and a table
+//! of its cell.
+
+use estimator::model::Lobe;
+use num_complex::Complex64;
+use tables::Direction;
+
+use crate::images::plane::ShiftPlane;
+use crate::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
+use edges::names::Kernel;
+use edges::names::LobeShape;
+use estimator::model::Baseline;
+use estimator::model::Blur;
+use estimator::model::wave;
+use estimator::predict::Error;
+use estimator::predict::Fitted;
+use estimator::samples::LobeSampler;
+use estimator::samples::ShiftSampler;
+use estimator::samples::has_samples;
+use tables::WaveLine;
+
+impl Sheet for Fitted<'_> {
+    fn spot(&self, place: &Viewpoint, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error> {
+        let direction = self
+            .table
+            .direction(place.incidence_deg, place.azimuth_deg)?;
+        let blur = self.blur(place.incidence_deg)?;
+        let returns = self.returned(place.incidence_deg, direction.retroreflected) > 0.0;
+        let energy = if returns {
+            self.luminance(place.incidence_deg, direction.retroreflected)
+        } else {
+            Some(0.0)
+        };
+        let cosine = place.incidence_deg.to_radians().cos();
+        let kernel = self.result.kernel;
+        let shifts = kernel.has_c() && kernel != Kernel::Wave && !kernel.is_baseline();
+        let direction = if shifts {
+            direction.seen_from(place.r_mm, blur.c_mm, cosine)?
+        } else {
+            direction
+        };
+        let shift = (shifts && returns)
+            .then(|| ShiftPlane::new(&direction, cosine, blur.c_mm, finest_per_mm));
+        let shape = self.result.lobe.unwrap_or(LobeShape::Radial);
+        let lobe = kernel
+            .has_lobe()
+            .then(|| (shape, blur.spread / kernel.distance_scale(place.r_mm)));
+        let mut spot = FittedSpot {
+            sheet: *self,
+            place: *place,
+            direction,
+            blur,
+            energy,
+            returns,
+            shift,
+            lobe,
+            reach_mm: 0.0,
+            end_per_mm: f64::INFINITY,
+        };
+        spot.reach_mm = spot.reach()?;
+        spot.end_per_mm = spot.end();
+        Ok(Box::new(spot))
+    }
+}
+
+/// Spot of the fitted sheet at one place.
+struct FittedSpot<'a> {
+    /// Result and table.
+    sheet: Fitted<'a>,
+    /// Incidence, azimuth and distance.
+    place: Viewpoint,
+    /// Direction of the table at this place.
+    direction: Direction,
+    /// Spread and corner size at this incidence.
+    blur: Blur,
+    /// Luminance of the mid-air image divided by that of the source; `None` without mu.
+    energy: Option<f64>,
+    /// True if the sheet returns light at this place.
+    returns: bool,
+    /// Ray shift; `None` for a kernel that has no separate shift.
+    shift: Option<ShiftPlane>,
+    /// Shape of the lobe, and its a in 1/mm; `None` for a kernel without a lobe.
+    lobe: Option<(LobeShape, f64)>,
+    /// Distance that contains all but [`TAIL`] of the light along each axis, mm.
+    reach_mm: f64,
+    /// Frequency beyond which waves pass nothing, 1/mm; infinite for the other kernels.
+    end_per_mm: f64,
+}
+
+impl FittedSpot<'_> {
+    /// Returns the wave optics along one direction of the image.
+    fn wave(&self, normal: [f64; 2]) -> Result<WaveLine, Error> {
+        let incidence_rad = self.place.incidence_deg.to_radians();
+        let spectrum = self.sheet.result.wavelength_nm.as_ref();
+        Ok(wave::line(
+            &self.direction,
+            incidence_rad,
+            normal,
+            spectrum,
+        )?)
+    }
+
+    /// Returns the frequency beyond which waves pass nothing, 1/mm; infinite for the other kernels.
+    fn end(&self) -> f64 {
+        let result = self.sheet.result;
+        match &result.wavelength_nm {
+            Some(spectrum) if result.kernel == Kernel::Wave => {
+                let lines = spectrum.lines().iter().map(|line| line.wavelength_nm);
+                let shortest_mm = lines.fold(f64::INFINITY, f64::min) * 1e-6;
+                WaveLine::highest_frequency(
+                    &self.direction,
+                    self.place.incidence_deg.to_radians(),
+                    [self.blur.c_mm, self.place.r_mm, shortest_mm],
+                )
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Returns the rough facets of a baseline along one direction; `None` for the other kernels.
+    fn facets(&self, normal: [f64; 2]) -> Option<Baseline> {
+        let incidence_rad = self.place.incidence_deg.to_radians();
+        let index = self.sheet.table.provenance.refractive_index;
+        Baseline::new(self.sheet.result.kernel, incidence_rad, index, normal)
+    }
+
+    /// Returns the distance that contains all but [`TAIL`] of the light along each axis, mm.
+    ///
+    /// A tail of density T/s^2 along an axis has 2 T/x of the light beyond x, counting both sides.
+    fn reach(&self) -> Result<f64, Error> {
+        use std::f64::consts::PI;
+        if !self.returns {
+            return Ok(0.0);
+        }
+        if let (Some(tangential), Some(sagittal), Some((shape, _))) =
+            (self.facets([1.0, 0.0]), self.facets([0.0, 1.0]), self.lobe)
+        {
+            let reach = |facets: Baseline| facets.reach_mm(shape, self.blur, self.place.r_mm, TAIL);
+            return Ok(reach(tangential).max(reach(sagittal)));
+        }
+        let shift = self.shift.as_ref().map_or(0.0, ShiftPlane::reach_mm);
+        if self.sheet.result.kernel == Kernel::Wave {
+            let cosine = self.place.incidence_deg.to_radians().cos();
+            let plane = ShiftPlane::new(&self.direction, cosine, self.blur.c_mm, 0.0);
+            let mut kink: f64 = 0.0;
+            for normal in [[1.0, 0.0], [0.0, 1.0]] {
+                let line = self.wave(normal)?;
+                kink = kink.max(line.kink(self.blur.c_mm, self.place.r_mm));
+            }
+            return Ok(plane.reach_mm() + kink / (PI * PI * TAIL));
+        }
+        let lobe = self.lobe.map_or(0.0, |(shape, a)| shape.reach_mm(a, TAIL));
+        Ok(shift + lobe)
+    }
+}
+
+impl Spot for FittedSpot<'_> {
+    fn energy(&self) -> Option<f64> {
+        self.energy
+    }
+
+    fn otf(&self, frequency: [f64; 2]) -> Complex64 {
+        if !self.returns {
+            return Complex64::ZERO;
+        }
+        let modulus = frequency[0].hypot(frequency[1]);
+        if modulus > self.end_per_mm {
+            return Complex64::ZERO;
+        }
+        let normal = if modulus > 0.0 {
+            frequency.map(|f| f / modulus)
+        } else {
+            [1.0, 0.0]
+        };
+        if let (Some(facets), Some((shape, _))) = (self.facets(normal), self.lobe) {
+            return facets.otf(shape, self.blur, self.place.r_mm, modulus)[0];
+        }
+        if self.sheet.result.kernel == Kernel::Wave {
+            // `reach` has prepared both axes. A line fails only where they fail too.
+            return self.wave(normal).map_or(Complex64::ZERO, |line| {
+                line.otf(self.blur.c_mm, self.place.r_mm, modulus).0.into()
+            });
+        }
+        let lobe = self
+            .lobe
+            .map_or(1.0, |(shape, a)| shape.otf(a, modulus, normal).0);
+        if lobe == 0.0 {
+            return Complex64::ZERO;
+        }
+        let shift = self.shift.as_ref();
+        shift.map_or(Complex64::ONE, |shift| shift.otf(frequency)) * lobe
+    }
+
+    fn reach_mm(&self) -> f64 {
+        self.reach_mm
+    }
+
+    fn samples(&self) -> Option<Box<Sampler<'_>>> {
+        if !self.returns || !has_samples(self.sheet.result.kernel) {
+            return None;
+        }
+        let shift = match self.shift {
+            Some(_) => Some(ShiftSampler::new(&self.direction)?),
+            None => None,
+        };
+        let lobe = self.lobe.map(|(shape, a)| (LobeSampler::new(shape), a));
+        let c_mm = self.blur.c_mm;
+        let tangential_mm = c_mm * self.place.incidence_deg.to_radians().cos();
+        Some(Box::new(move |[u, v, w, z]| {
+            let mut at = [0.0; 2];
+            if let Some(shift) = &shift {
+                // The shift includes the deviations here.
+                let [along, across] = shift.at([u, v]).shift;
+                at = [tangential_mm * along, c_mm * across];
+            }
+            if let Some((lobe, a)) = &lobe {
+                let [along, across] = lobe.at([w, z]);
+                at = [at[0] + along / a, at[1] + across / a];
+            }
+            at
+        }))
+    }
+
+    fn interpolated(&self) -> bool {
+        self.direction.interpolated
+    }
+}

@@ -1,0 +1,13 @@
+//! What a person looks at: mid-air images, the page with sliders, plots and reports.
+//!
+//! - [`images`]: pictures through a sheet.
+//! - [`explore`]: one page that computes mid-air images in a browser.
+//! - [`report`]: plots and the page of an estimate.
+
+#![forbid(unsafe_code)]
+
+pub mod explore;
+pub mod images;
+pub mod report;
+#[cfg(test)]
+mod tests;
