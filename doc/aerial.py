@@ -18,7 +18,7 @@ sys.path.insert(0, str(HERE.parent / "tests"))
 from table1 import read_png, sign, srgb, write_png
 
 DISTANCES_MM = [150, 300]
-EXPOSURE = "11"  # the mid-air image has about an eleventh of the light of its source
+EXPOSURE = "11"  # the mid-air image is about 1/11 as bright as its source
 GAP_PX = 8
 
 SHEET = """seed = 1

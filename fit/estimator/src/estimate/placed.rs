@@ -76,7 +76,7 @@ impl OtherIndex {
     }
 }
 
-/// Returns whether all light of a table that comes back goes straight back.
+/// Returns whether every returned ray of a table is antiparallel to the arriving ray.
 pub(super) fn sends_straight_back(table: &Table) -> bool {
     let straight = |path: &Path| path.deviation == [0.0; 2];
     let mut paths = table.exact.iter().flat_map(|exact| &exact.paths).flatten();
