@@ -1,9 +1,9 @@
 //! Tone curves: the light of a stored value, both in units of full scale; and those of ICC profiles
 //! (ICC.1:2010): grey profiles, and RGB profiles of matrix and curves.
 //!
-//! Of a profile only the curves are used. The matrix says which red, green and blue are meant;
-//! luminance has the weights of Rec. 709 whatever they are. A profile of look-up tables alone has no
-//! curves and is refused.
+//! Only the tone curves of a profile are used. The matrix defines the primaries, but luminance has
+//! the weights of Rec. 709 whatever they are. A profile of look-up tables alone has no curves and is
+//! refused.
 
 use moxcms::{ColorProfile, DataColorSpace, LocalizableString, ProfileText, ToneReprCurve};
 
