@@ -1,8 +1,7 @@
 //! The program: arguments in, a verb run, text and files out.
 //!
-//! Arguments enter as a shell gives them. Printed text, written files and an exit code leave. The
-//! room may touch every other room of the crate. Only this room prints, reads the command line and
-//! ends the program.
+//! Arguments enter as a shell gives them. Printed text, written files and an exit code leave. Only
+//! this module prints, reads the command line and ends the program.
 
 mod by_hand;
 #[cfg(feature = "full")]

@@ -1,8 +1,7 @@
 //! TOML files, read into structs by serde.
 //!
-//! A file enters. Checked values leave, or an error that names the file, the line, the key and what
-//! to do. The room knows no photograph and no model. Manifests, parameters of a simulation, ranges
-//! and views are all read through it. It may touch `names`.
+//! A file enters. Checked values leave, or an error with the file, line, key and remedy.
+//! Manifests, parameters of a simulation, ranges and views are all read here.
 
 mod bounds;
 mod file;

@@ -1,7 +1,7 @@
-//! Mathematics for all rooms: transforms, quadrature, triangular factors, least squares.
+//! Numerical methods: transforms, quadrature, triangular factors, least squares.
 //!
 //! Arrays of numbers and closures enter. Arrays of numbers leave. Each file states its accuracy.
-//! Nothing here knows of light or photographs. This is the lowest room: it may touch no other.
+//! Nothing here depends on light or photographs.
 
 pub mod chance;
 pub mod clip;

@@ -2,8 +2,7 @@
 //!
 //! A manifest and image files enter (EXR, PNG, TIFF, JPEG; camera raw with the feature `raw`).
 //! Planes of linear light, edges, their profiles and measured MTFs leave, with warnings about what
-//! disturbs them. The room knows no sheet and no model. It may touch `numerics`, `names` and
-//! `document`.
+//! disturbs them. This module depends on no sheet and no model.
 
 pub mod captures;
 mod chart;

@@ -1,10 +1,10 @@
 //! Simulated campaigns: photographs with a planted answer, the truth.
 //!
-//! Parameters enter. Photographs with noise, their manifest and the truth leave. The room computes
-//! in another way than the model, so that an estimate from its photographs tests the model: shifts
-//! in closed form, convolutions in space, no OTF. So it may touch `names`, `document` and plain
-//! `numerics`, but neither the model nor `photographs`. Sheets that a table describes come from the
-//! crate `tables`.
+//! Parameters enter. Photographs with noise, their manifest and the truth leave. The simulator uses
+//! other methods than the model, so that an estimate from its photographs tests the model: shifts
+//! in closed form, convolutions in space, no OTF. So it takes only `names`, `document` and plain
+//! `numerics` from the crate `edges`, and nothing from the estimator. Sheets that a table describes
+//! come from the crate `tables`.
 
 pub(crate) mod cell;
 pub mod error;

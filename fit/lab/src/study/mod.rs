@@ -3,8 +3,8 @@
 //!
 //! A table enters, with given photographs or with ranges from which campaigns are drawn. Errors,
 //! coverage, seconds and shares of right choices leave. `simulate` photographs the drawn campaigns
-//! in memory, and they go through the same call of `estimate` that the program makes. The room
-//! prints and plots nothing. It may touch `simulate`, `estimate` and the rooms below them.
+//! in memory, and the same call estimates them that the program makes. Nothing is printed or
+//! plotted here.
 
 pub mod choice;
 pub mod forward;

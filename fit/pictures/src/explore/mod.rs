@@ -1,10 +1,9 @@
-//! Page in which a designer moves sliders and sees the mid-air image at once (features `images` and
-//! `report`).
+//! Page in which a designer moves sliders and sees the mid-air image at once.
 //!
-//! A result, a table and pictures enter. One self-contained page in HTML leaves as bytes. Its
-//! numbers are computed here ahead: the transform of the ray shift on a `grid` of directions. The
-//! page mixes the nodes of the grid and convolves; `mixed` does the same in Rust, so that the
-//! error of mixing can be measured and stated. The room may touch images and the rooms below them.
+//! A result, a table and pictures enter. One self-contained page in HTML leaves as bytes. The
+//! transform of the ray shift is computed here ahead, on a `grid` of directions. The page mixes the
+//! nodes of the grid and convolves; `mixed` does the same in Rust, so that the error of mixing can
+//! be measured and stated.
 
 mod gaps;
 mod grid;

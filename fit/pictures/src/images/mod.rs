@@ -1,7 +1,6 @@
-//! Mid-air images of whole pictures (feature `images`).
+//! Mid-air images of whole pictures.
 //!
-//! A picture, a result and a table enter. A rendered picture leaves. The room may touch
-//! predictions, samples, the model and the reading of pictures.
+//! A picture, a result and a table enter. A rendered picture leaves.
 
 mod exposure;
 mod plane;

@@ -1,8 +1,7 @@
-//! Output for people: pictures of curves, and the page in HTML (feature `report`).
+//! Output for people: plots, and the page of an estimate in HTML.
 //!
-//! Results, predictions and studies enter. SVG and HTML leave as text. The room computes
-//! nothing that a result does not hold, except the profiles of the likelihood. It may touch every
-//! room but `cli`.
+//! Results, predictions and studies enter. SVG and HTML leave as text. All numbers are those of a
+//! result, except the profiles of the likelihood.
 
 pub mod page;
 pub mod picture;
