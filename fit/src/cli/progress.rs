@@ -1,4 +1,4 @@
-//! Progress of long work, shown on a terminal. Without the feature `report` nothing is shown.
+//! Progress of long work, shown on a terminal. Without the feature `full` nothing is shown.
 
 #[cfg(feature = "full")]
 use std::io::IsTerminal;

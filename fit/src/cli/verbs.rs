@@ -148,7 +148,7 @@ fn command() -> clap::Command {
     })
 }
 
-/// Returns `help` without the examples of `--plot` and `--report`, which need the feature `report`.
+/// Returns `help` without the examples of `--plot` and `--report`, which need the feature `full`.
 ///
 /// An example continues on the next line if its line ends with a backslash. It is left out whole.
 fn without_pictures(help: &str) -> String {
