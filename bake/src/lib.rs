@@ -8,7 +8,7 @@
 //! facets are planes, by rays otherwise.
 //!
 //! ```
-//! use bake::{Plan, Prepared, Request, Watch, trace};
+//! use bake::{Plan, Prepared, Request, Progress, trace};
 //! use meshes::design::{Design, Shape};
 //!
 //! let mesh = Design::new(Shape::TriangularPair).mesh()?;
@@ -19,7 +19,7 @@
 //!     refractive_index: Some(1.49),
 //!     ..Request::default()
 //! })?;
-//! let table = trace(&prepared, &plan, Watch::none())?;
+//! let table = trace(&prepared, &plan, Progress::none())?;
 //! // eta, the retroreflected share: two thirds of a cube's triangle at normal incidence.
 //! assert!((table.retroreflected[[0, 0]] - 2.0 / 3.0).abs() < 1e-12);
 //! assert!(table.retroreflected[[1, 0]] < table.retroreflected[[0, 0]]);
@@ -71,7 +71,7 @@ pub use optics::{metal, refractive_index};
 pub use plan::Plan;
 pub use plan::Request;
 pub use rays::Tracer;
-pub use run::Watch;
+pub use run::Progress;
 pub use run::trace;
 pub use run::{Claims, Contradiction, Unchecked, claims};
 pub use run::{Comparison, ExitGap, Row};

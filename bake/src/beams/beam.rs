@@ -155,13 +155,14 @@ impl Follower<'_> {
         let base = view.shadows(&course.isometry);
         let periodic = view.lattice.is_some();
         for shadow in &base {
-            let doors: &[Polygon] = if periodic {
+            let openings: &[Polygon] = if periodic {
                 std::slice::from_ref(&shadow.outline)
             } else {
-                &view.doors
+                &view.openings
             };
-            for door in doors {
-                let Some(candidate) = Candidate::new(shadow.clone(), door, None, view.least_area)
+            for opening in openings {
+                let Some(candidate) =
+                    Candidate::new(shadow.clone(), opening, None, view.least_area)
                 else {
                     continue;
                 };

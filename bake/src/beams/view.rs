@@ -206,7 +206,7 @@ pub(crate) struct View {
     /// Lattice vectors in the frame of the light, or `None` for a body without neighbours.
     pub lattice: Option<[DVec2; 2]>,
     /// Openings that light enters by, in convex parts. They are not used if there is a lattice.
-    pub doors: Vec<Polygon>,
+    pub openings: Vec<Polygon>,
     /// Area of the entrance, square edge lengths.
     pub entrance_area: f64,
     /// Height of the entrance plane, edge lengths.
@@ -239,10 +239,10 @@ impl View {
         View {
             direction: DVec3::new(sin, 0.0, -cos),
             lattice: body.lattice.map(|[a, b]| [turn(a), turn(b)]),
-            doors: body
-                .doors
+            openings: body
+                .openings
                 .iter()
-                .map(|door| door.iter().map(|&p| turn(p)).collect())
+                .map(|opening| opening.iter().map(|&p| turn(p)).collect())
                 .collect(),
             entrance_area: body.entrance_area,
             height,

@@ -16,19 +16,19 @@ const OPEN: f64 = 1e-9;
 pub(crate) struct Body {
     /// Planar facets. For a lattice with gaps they include the backs.
     pub facets: Vec<Facet>,
-    /// Lattice vectors, edge lengths. They are `None` without a lattice and for a lattice of pits,
-    /// which do not see each other.
+    /// Lattice vectors, edge lengths. They are `None` without a lattice and for a lattice of
+    /// recesses, which do not see each other.
     pub lattice: Option<[DVec2; 2]>,
     /// Convex parts of the openings.
-    pub doors: Vec<Polygon>,
+    pub openings: Vec<Polygon>,
     /// Area of the entrance, square edge lengths.
     pub entrance_area: f64,
     /// Height of the entrance plane, edge lengths.
     pub height: f64,
     /// Frequency of the body, relative to the most frequent body of the cell.
     pub weight: f64,
-    /// One period of the whole sheet, for light that crosses from pit to pit; `None` if this body
-    /// is that, or if there is no sheet.
+    /// One period of the whole sheet, for light that crosses from recess to recess; `None` if this
+    /// body is that, or if there is no sheet.
     pub sheet: Option<Box<Body>>,
 }
 
@@ -37,31 +37,31 @@ impl Body {
     pub(crate) fn new(part: &Part, weight: f64) -> Self {
         let entrance = &part.entrance;
         let entrance_area = polygon::area(&entrance.polygon);
-        let pits = entrance
+        let recesses = entrance
             .lattice
             .and_then(|_| rim::openings(&part.facets, entrance.height, entrance_area));
-        let sheet = pits.as_ref().map(|_| Body::open(part, weight, None));
+        let sheet = recesses.as_ref().map(|_| Body::open(part, weight, None));
         Body {
             sheet: sheet.map(Box::new),
-            ..Body::open(part, weight, pits)
+            ..Body::open(part, weight, recesses)
         }
     }
 
-    /// Makes the body with `pits` for openings or, without them, with all that its lattice has.
-    fn open(part: &Part, weight: f64, pits: Option<Vec<Polygon>>) -> Self {
+    /// Makes the body with `recesses` for openings or, without them, with all that its lattice has.
+    fn open(part: &Part, weight: f64, recesses: Option<Vec<Polygon>>) -> Self {
         let (mut facets, entrance) = (part.facets.clone(), &part.entrance);
         let entrance_area = polygon::area(&entrance.polygon);
-        let lattice = entrance.lattice.filter(|_| pits.is_none());
+        let lattice = entrance.lattice.filter(|_| recesses.is_none());
         let covered: f64 = facets.iter().map(|facet| facet.area_from_above()).sum();
         if lattice.is_some() && covered < (1.0 - OPEN) * entrance_area {
             let backs: Vec<Facet> = facets.iter().map(Facet::back).collect();
             facets.extend(backs);
         }
-        let openings = pits.unwrap_or_else(|| vec![entrance.polygon.clone()]);
+        let openings = recesses.unwrap_or_else(|| vec![entrance.polygon.clone()]);
         Body {
             facets,
             lattice,
-            doors: openings
+            openings: openings
                 .iter()
                 .flat_map(|opening| polygon::convex_parts(opening))
                 .collect(),

@@ -291,7 +291,7 @@ mod tests {
     use super::*;
     use crate::cell::Prepared;
     use crate::plan::{Plan, Request};
-    use crate::run::{Bake, Watch};
+    use crate::run::{Bake, Progress};
     use meshes::design::{Design, Shape};
 
     /// A pair loses half of its light without a word if one of its apexes is 2 % off. That is said
@@ -312,7 +312,7 @@ mod tests {
             });
             let plan = plan.expect("a plan");
             let bake = Bake::new(&prepared, &plan).expect("a bake");
-            let table = bake.table(Watch::none()).expect("a table");
+            let table = bake.table(Progress::none()).expect("a table");
             let report = Trace {
                 table: &table,
                 file: "t.h5".as_ref(),

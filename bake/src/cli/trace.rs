@@ -2,13 +2,13 @@
 
 use crate::cell::Prepared;
 use crate::cli::cell::CellArgs;
+use crate::cli::display::{self, ProgressDisplay};
 use crate::cli::host::Caller;
-use crate::cli::progress::{self, Progress};
 use crate::cli::report;
 use crate::error::Error;
 use crate::optics::material;
 use crate::plan::{Plan, Request, heading};
-use crate::run::{Bake, Launched, Ranks, SavedFile, Saves, Watch, saves};
+use crate::run::{Bake, Launched, Progress, Ranks, SavedFile, Saves, saves};
 use clap::Args;
 use meshes::Mesh;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -211,11 +211,11 @@ pub(super) fn called(
     let mut warnings = prepared.cell().warnings.clone();
     warnings.extend(plan.warnings(&prepared));
     warnings.extend(method_warning(args, &prepared, &plan));
-    let stopped = Watch::none().stopped_by(caller.stop);
-    let bake = Bake::watched(&prepared, &plan, stopped)?;
-    let (all, done) = (progress::rays(&bake), AtomicU64::new(0));
+    let stopped = Progress::none().stopped_by(caller.stop);
+    let bake = Bake::reporting(&prepared, &plan, stopped)?;
+    let (all, done) = (display::rays(&bake), AtomicU64::new(0));
     let told = |rays| (caller.told)(rays + done.fetch_add(rays, Ordering::Relaxed), all);
-    let table = bake.table(Watch::new(&told).stopped_by(caller.stop))?;
+    let table = bake.table(Progress::new(&told).stopped_by(caller.stop))?;
     let report = report::Trace {
         table: &table,
         file: &args.output,
@@ -280,7 +280,7 @@ impl Job<'_> {
     ///
     /// Returns `None` in a rank that does not write.
     fn run(self, args: &TraceArgs, ranks: &dyn Ranks) -> Result<Option<serde_json::Value>, Error> {
-        let progress = Progress::new(&self.bake, ranks.leads());
+        let display = ProgressDisplay::new(&self.bake, ranks.leads());
         // A table that is written through a link is saved where the link leads, as it is read.
         let reserved = self.output.as_ref().map(Output::path);
         let saved = SavedFile::of(reserved.unwrap_or(self.file));
@@ -290,12 +290,12 @@ impl Job<'_> {
         let mut save = |table: &Table| unsaved = unsaved.take().or(saved.write(table).err());
         let saves = Saves::new(self.before, args.save_every, &mut save);
         let start = Instant::now();
-        let advance = |rays| progress.advance(rays);
+        let advance = |rays| display.advance(rays);
         let table = self
             .bake
-            .table_from(Watch::new(&advance), Some(saves), ranks);
+            .table_from(Progress::new(&advance), Some(saves), ranks);
         let seconds = start.elapsed().as_secs_f64();
-        progress.finish();
+        display.finish();
         warn(Vec::from_iter(unsaved.map(|error| {
             format!("the bake could not be saved for --resume: {error}")
         })));

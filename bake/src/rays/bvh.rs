@@ -6,7 +6,7 @@
 
 use crate::optics::{Ray, Triangle};
 use crate::rays::block::{Block, Sight};
-use crate::rays::cluster::Cluster;
+use crate::rays::coherent::CoherentRays;
 use crate::rays::frames::{MOST_FRAMES, frames};
 use crate::rays::nearest::Nearest;
 use crate::rays::simd::{InstructionSet, Task, fetch};
@@ -153,34 +153,34 @@ impl Hierarchy {
         nearest
     }
 
-    /// Finds for all rays of `cluster` the nearest facet, as [`Hierarchy::nearest`] does without a
+    /// Finds for all rays of `coherent` the nearest facet, as [`Hierarchy::nearest`] does without a
     /// limit.
-    pub(crate) fn nearest_of_cluster(&self, facets: &[Triangle], cluster: &mut Cluster) {
+    pub(crate) fn nearest_of_each(&self, facets: &[Triangle], coherent: &mut CoherentRays) {
         self.instructions.run(Common {
             hierarchy: self,
             facets,
-            cluster,
+            coherent,
         });
     }
 
-    /// Finds the nearest facets as [`Hierarchy::nearest_of_cluster`] does.
+    /// Finds the nearest facets as [`Hierarchy::nearest_of_each`] does.
     #[inline(always)]
-    fn descend_together(&self, facets: &[Triangle], cluster: &mut Cluster) {
-        let mut open = std::mem::take(&mut cluster.waiting);
+    fn descend_together(&self, facets: &[Triangle], coherent: &mut CoherentRays) {
+        let mut open = std::mem::take(&mut coherent.waiting);
         let ball = (self.centre, self.radius);
-        cluster.look(ball, self.padding, &self.frames);
-        let mut limit = cluster.limit();
+        coherent.look(ball, self.padding, &self.frames);
+        let mut limit = coherent.limit();
         open.clear();
-        let mut reached = cluster.all();
+        let mut reached = coherent.all();
         let mut at = 0;
         loop {
             if at & BLOCK != 0 {
                 let block = &self.blocks[(at & !BLOCK) as usize];
-                cluster.offer(block, facets, reached, self.padding);
-                limit = cluster.limit();
+                coherent.offer(block, facets, reached, self.padding);
+                limit = coherent.limit();
             } else {
                 let node = &self.nodes[at as usize];
-                let (from, mut met) = cluster.reach(node, limit);
+                let (from, mut met) = coherent.reach(node, limit);
                 let bottom = open.len();
                 while met != 0 {
                     let child = met.trailing_zeros() as usize;
@@ -204,12 +204,12 @@ impl Hierarchy {
             reached = 0;
             while reached == 0 {
                 let Some((from, place)) = open.pop() else {
-                    cluster.waiting = open;
+                    coherent.waiting = open;
                     return;
                 };
                 if from <= limit {
                     let (node, child) = (&self.nodes[(place >> 3) as usize], place as usize & 7);
-                    reached = cluster.entering(node, child);
+                    reached = coherent.entering(node, child);
                     at = node.children[child];
                 }
             }
@@ -217,11 +217,11 @@ impl Hierarchy {
     }
 }
 
-/// Search of a cluster: the arguments of [`Hierarchy::descend_together`].
+/// Search of coherent rays: the arguments of [`Hierarchy::descend_together`].
 struct Common<'a> {
     hierarchy: &'a Hierarchy,
     facets: &'a [Triangle],
-    cluster: &'a mut Cluster,
+    coherent: &'a mut CoherentRays,
 }
 
 impl Task for Common<'_> {
@@ -229,7 +229,7 @@ impl Task for Common<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.hierarchy.descend_together(self.facets, self.cluster);
+        self.hierarchy.descend_together(self.facets, self.coherent);
     }
 }
 

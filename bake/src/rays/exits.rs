@@ -4,10 +4,10 @@
 //! number of its exit direction. Where there are few exit directions, each has a counter for each
 //! bin, and nothing is sorted. Where there are many, the rays are listed.
 
+use crate::rays::accumulator::Accumulator;
 use crate::rays::bins::Bins;
 use crate::rays::lane::LANES;
 use crate::rays::program::Program;
-use crate::rays::tally::Tally;
 use std::collections::HashMap;
 use tables::deviation::{Entry, Grid};
 
@@ -66,17 +66,19 @@ impl Exits {
         }
     }
 
-    /// Adds the record of a run to the bins and to the exit directions of `tally`.
-    pub(crate) fn count(&self, bins: &Bins, record: &Record, tally: &mut Tally) {
+    /// Adds the record of a run to the bins and to the exit directions of `accumulator`.
+    pub(crate) fn count(&self, bins: &Bins, record: &Record, accumulator: &mut Accumulator) {
         match record {
-            Record::Counters(counters) => self.add_counters(bins, counters, tally),
+            Record::Counters(counters) => self.add_counters(bins, counters, accumulator),
             Record::List(list) => {
                 let size = bins.len();
-                tally.exits.reserve(list.len());
+                accumulator.exits.reserve(list.len());
                 for &counter in list {
                     let (number, bin) = (counter as usize / size, counter as usize % size);
-                    tally.histogram[bin] += 1;
-                    tally.exits.push(self.cell(bins, bin) + self.places[number]);
+                    accumulator.histogram[bin] += 1;
+                    accumulator
+                        .exits
+                        .push(self.cell(bins, bin) + self.places[number]);
                 }
             }
         }
@@ -89,16 +91,16 @@ impl Exits {
         self.grid.place([v, u], [0, 0])
     }
 
-    /// Adds counters to the bins and to the exit directions of `tally`.
-    fn add_counters(&self, bins: &Bins, counters: &[u32], tally: &mut Tally) {
+    /// Adds counters to the bins and to the exit directions of `accumulator`.
+    fn add_counters(&self, bins: &Bins, counters: &[u32], accumulator: &mut Accumulator) {
         let size = bins.len();
         for bin in 0..size {
             let cell = self.cell(bins, bin);
             for (number, place) in self.places.iter().enumerate() {
                 let rays = counters[number * size + bin];
                 if rays > 0 {
-                    tally.histogram[bin] += rays;
-                    tally.entries.push(Entry {
+                    accumulator.histogram[bin] += rays;
+                    accumulator.entries.push(Entry {
                         place: cell + place,
                         rays: u64::from(rays),
                     });

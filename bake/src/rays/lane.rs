@@ -6,11 +6,11 @@
     reason = "the same lane of several arrays; iterators hide that"
 )]
 
-/// Number of rays of a bundle.
+/// Number of rays that are traced side by side, the lanes of a vector.
 ///
 /// It is large enough that the compiler keeps the loops over lanes and turns them into vectors.
 /// With 16 or 32 lanes the compiler unrolls the loops first and shuffles, which is 2.5 times
-/// slower. With 128 lanes a bundle is 20 % slower.
+/// slower. With 128 lanes tracing is 20 % slower.
 pub(crate) const LANES: usize = 64;
 
 /// Number for each lane.

@@ -1,21 +1,23 @@
 //! Sampled light: the rays of one direction, from the entrance to their counts.
 //!
 //! A prepared cell, the rules and one direction enter. Integer counts by bin and by fate leave. The
-//! rays are traced in four ways: one by one, down a hierarchy in swarms of neighbours, as a program
+//! rays are traced in four ways: one by one, down a hierarchy in groups of neighbours, as a program
 //! of 64 rays side by side, and side by side with directions of their own. All ways give the same
 //! result, bit for bit. This room may touch `cell`, `optics` and `samples`. It knows no thread and
 //! no table. Its file `simd` holds the only unsafe code.
 
+mod accumulator;
 mod bins;
 mod block;
 mod bvh;
-mod cluster;
+mod coherent;
 mod departures;
 mod drawn;
 mod entries;
 mod excerpt;
 mod exits;
 mod frames;
+mod groups;
 mod kernel;
 mod lane;
 pub(crate) mod lanes;
@@ -28,11 +30,10 @@ mod scene;
 mod scratch;
 mod sheet;
 mod simd;
-mod swarm;
-mod tally;
 mod tiles;
 mod tree;
 
+pub(crate) use accumulator::{Accumulator, Sums};
 pub(crate) use bins::Bins;
 pub(crate) use entries::Part;
 pub(crate) use kernel::Kernel;
@@ -40,7 +41,7 @@ pub use kernel::Tracer;
 #[cfg(test)]
 pub(crate) use lanes::Batch;
 #[cfg(test)]
-pub(crate) use path::{Luck, Outcome, trace};
+pub(crate) use path::{Outcome, RandomNumbers, trace};
 #[cfg(test)]
 pub(crate) use program::{End, Program};
 pub(crate) use scene::Index;
@@ -49,4 +50,3 @@ pub(crate) use scene::{Event, Scene};
 pub(crate) use sheet::Sheet;
 #[cfg(test)]
 pub(crate) use simd::InstructionSet;
-pub(crate) use tally::{Sums, Tally};

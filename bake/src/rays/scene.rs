@@ -287,7 +287,7 @@ impl Scene {
     }
 
     /// Returns the hierarchy if rays can go down it together, which they cannot in a periodic cell.
-    pub(crate) fn for_bundles(&self) -> Option<&Hierarchy> {
+    pub(crate) fn for_groups(&self) -> Option<&Hierarchy> {
         let hierarchy = self.hierarchy.as_ref();
         hierarchy.filter(|_| self.walls.is_none())
     }

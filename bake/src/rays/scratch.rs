@@ -10,7 +10,7 @@ use crate::rays::lane::{LANES, Mask, Reals, UNITS, floor};
 use crate::rays::program::DEPTH;
 use tables::Fate;
 
-/// Working memory that a run keeps from one bundle to the next.
+/// Working memory that a run keeps from one vector of rays to the next.
 pub(crate) struct Scratch<'a> {
     /// Bins of the shift.
     pub bins: &'a Bins,

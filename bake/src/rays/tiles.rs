@@ -13,7 +13,7 @@ use glam::DVec2;
 /// Returns the entries of the samples of `parts` whose rays enter scene number `scene`, sorted by
 /// the tiles of the entrance that they lie in.
 ///
-/// A tile holds about as many rays as a bundle takes. All parts together have fewer than 2^32
+/// A tile holds about as many rays as a vector has lanes. All parts together have fewer than 2^32
 /// samples.
 pub(crate) fn neighbours(
     launch: &Launch,

@@ -5,7 +5,7 @@ use crate::cell::{ExactCell, MEAN_ERROR};
 use crate::error::Error;
 use crate::plan::{Effort, Plan};
 use crate::run::bake::Bake;
-use crate::run::watch::Watch;
+use crate::run::progress::Progress;
 use tables::cli::pool;
 use tables::options::{Method, Record, SceneOptions};
 use tables::{Provenance, Table};
@@ -16,15 +16,15 @@ impl Bake<'_> {
     /// Options for rays (number, tolerance, sampler, seed) have no effect on the table.
     ///
     /// # Errors
-    /// Returns an [`Error`] if the threads cannot be started, or if `watch` stopped the bake.
-    pub(crate) fn beams(&self, exact: &ExactCell, watch: Watch<'_>) -> Result<Table, Error> {
+    /// Returns an [`Error`] if the threads cannot be started, or if the caller stopped the bake.
+    pub(crate) fn beams(&self, exact: &ExactCell, progress: Progress<'_>) -> Result<Table, Error> {
         let rays_saved = match self.plan.effort {
             Effort::Rays(rays) => rays,
             Effort::Tolerance(_) => 0,
         };
         let done = || {
-            watch.tell(rays_saved);
-            !watch.is_stopped()
+            progress.tell(rays_saved);
+            !progress.is_stopped()
         };
         let baked =
             pool(self.plan.threads)?.install(|| exact::bake(exact, &self.axes, &self.rules, done));

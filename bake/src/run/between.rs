@@ -83,7 +83,7 @@ mod tests {
     use super::*;
     use crate::cell::Prepared;
     use crate::plan::{Plan, Request};
-    use crate::run::watch::Watch;
+    use crate::run::progress::Progress;
     use meshes::design::{Design, Shape};
     use tables::options::Back;
 
@@ -108,7 +108,7 @@ mod tests {
         let baked = |request: &Request| {
             let plan = Plan::new(request).expect("a valid request");
             let bake = Bake::new(&prepared, &plan).expect("a bake");
-            let table = bake.table(Watch::none()).expect("a table");
+            let table = bake.table(Progress::none()).expect("a table");
             let between = bake.between(&table);
             (table, between)
         };

@@ -14,8 +14,8 @@ use crate::error::Error;
 use crate::plan::default;
 use crate::run::bake::Bake;
 use crate::run::between::Between;
+use crate::run::progress::Progress;
 use crate::run::trial::{self, OPEN};
-use crate::run::watch::Watch;
 use crate::samples::Stream;
 use rayon::prelude::*;
 use tables::cli::pool;
@@ -41,15 +41,15 @@ const MOST_DIRECTIONS: usize = 1000;
 ///
 /// # Errors
 /// Returns an [`Error`] if the greatest number of directions is too few, for example because the
-/// distribution jumps, if the threads cannot be started, or if `watch` stopped the search.
+/// distribution jumps, if the threads cannot be started, or if the caller stopped the search.
 pub(crate) fn choose(
     bake: &Bake,
     exact: &ExactCell,
     tolerance: f64,
-    watch: Watch<'_>,
+    progress: Progress<'_>,
 ) -> Result<(Axes, Option<Between>), Error> {
     let mut search = Search::new(bake, exact, tolerance);
-    let largest = pool(bake.plan.threads)?.install(|| search.refine(watch))?;
+    let largest = pool(bake.plan.threads)?.install(|| search.refine(progress))?;
     Ok((search.axes(bake.axes.bins), largest))
 }
 
@@ -123,9 +123,9 @@ impl<'a> Search<'a> {
 
     /// Halves gaps until all directions that are tried are within the aim. Returns the largest
     /// error of the last trials, or `None` if there is one direction only.
-    fn refine(&mut self, watch: Watch<'_>) -> Result<Option<Between>, Error> {
+    fn refine(&mut self, progress: Progress<'_>) -> Result<Option<Between>, Error> {
         loop {
-            if watch.is_stopped() {
+            if progress.is_stopped() {
                 return Err(Error::Stopped);
             }
             // Only polygons are interpolated, so one bin is enough for the table.
@@ -133,7 +133,7 @@ impl<'a> Search<'a> {
                 axes: self.axes(1),
                 ..self.bake.clone()
             };
-            let table = bake.beams(self.exact, Watch::none())?;
+            let table = bake.beams(self.exact, Progress::none())?;
             let mut found = self.errors(&table, self.middles());
             if worst(&found) <= self.aim {
                 found.extend(self.errors(&table, self.random()));

@@ -2,7 +2,7 @@
 //!
 //! [`trace::trace`] does the whole bake. [`retrace::retrace`] checks the numbers of a table against
 //! its mesh, [`claims::claims`] what it says about its bake. [`comparison::Comparison`] compares two
-//! tables. A [`watch::Watch`] is told the progress and can stop the bake. This room may touch
+//! tables. A [`progress::Progress`] is told the progress and can stop the bake. This room may touch
 //! `rays`, `beams` and all below. It prints nothing. Only its file `saves` knows the disk, and only
 //! `world` knows MPI.
 
@@ -15,6 +15,7 @@ mod cuts;
 mod directions;
 mod exits;
 mod paths;
+mod progress;
 mod provenance;
 mod ranks;
 mod retrace;
@@ -23,7 +24,6 @@ pub(crate) mod saves;
 pub(crate) mod start;
 mod trace;
 mod trial;
-mod watch;
 mod work;
 #[cfg(feature = "mpi")]
 mod world;
@@ -34,6 +34,7 @@ pub use claims::{Claims, Contradiction, Unchecked, claims};
 pub use comparison::{Comparison, Row};
 pub use exits::ExitGap;
 pub use paths::{Forged, consistent};
+pub use progress::Progress;
 #[cfg(test)]
 pub(crate) use ranks::Alone;
 pub(crate) use ranks::Ranks;
@@ -41,4 +42,3 @@ pub use retrace::{error_between, rebake, retrace};
 pub(crate) use saves::{SavedFile, Saves};
 pub(crate) use start::Launched;
 pub use trace::trace;
-pub use watch::Watch;

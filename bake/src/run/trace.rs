@@ -7,10 +7,10 @@ use crate::plan::{Effort, MOST_BYTES, Plan};
 use crate::rays::Tracer;
 use crate::run::bake::Bake;
 use crate::run::directions;
+use crate::run::progress::Progress;
 use crate::run::ranks::{Alone, Ranks};
 use crate::run::rounds::Rounds;
 use crate::run::saves::Saves;
-use crate::run::watch::Watch;
 use crate::run::work::Work;
 use tables::Table;
 use tables::options::Method;
@@ -22,10 +22,10 @@ use tables::options::Method;
 ///
 /// # Errors
 /// Returns [`Error`] if the method cannot bake the cell, the threads cannot be started, a
-/// tolerance is out of reach, the exit directions take too much memory, or `watch` stopped the
+/// tolerance is out of reach, the exit directions take too much memory, or the caller stopped the
 /// bake.
-pub fn trace(prepared: &Prepared, plan: &Plan, watch: Watch<'_>) -> Result<Table, Error> {
-    Bake::new(prepared, plan)?.table(watch)
+pub fn trace(prepared: &Prepared, plan: &Plan, progress: Progress<'_>) -> Result<Table, Error> {
+    Bake::new(prepared, plan)?.table(progress)
 }
 
 impl<'a> Bake<'a> {
@@ -34,21 +34,21 @@ impl<'a> Bake<'a> {
     /// The choice of directions for a tolerance may take minutes.
     ///
     /// # Errors
-    /// Returns an [`Error`] if the plan asks for the exact method, a shard of its rays or a tolerance
-    /// between directions and the method cannot give it, if that tolerance is out of reach, or if
-    /// the threads cannot be started.
+    /// Returns an [`Error`] if the plan asks for the exact method, a shard of its rays or a
+    /// tolerance between directions and the method cannot give it, if that tolerance is out of
+    /// reach, or if the threads cannot be started.
     pub(crate) fn new(prepared: &'a Prepared, plan: &'a Plan) -> Result<Self, Error> {
-        Bake::watched(prepared, plan, Watch::none())
+        Bake::reporting(prepared, plan, Progress::none())
     }
 
-    /// Decides as [`Bake::new`] does, and stops if `watch` says so.
+    /// Decides as [`Bake::new`] does, and stops if the caller says so.
     ///
     /// # Errors
     /// Returns the errors of [`Bake::new`], and [`Error::Stopped`].
-    pub(crate) fn watched(
+    pub(crate) fn reporting(
         prepared: &'a Prepared,
         plan: &'a Plan,
-        watch: Watch<'_>,
+        progress: Progress<'_>,
     ) -> Result<Self, Error> {
         let (axes, symmetry) = plan.folded(prepared);
         let exact = plan.exact_cell(prepared);
@@ -69,7 +69,7 @@ impl<'a> Bake<'a> {
                     tolerance; give --incidence and --azimuth as lists instead"
                 ))
             })?;
-            (bake.axes, bake.chosen) = directions::choose(&bake, exact, tolerance, watch)?;
+            (bake.axes, bake.chosen) = directions::choose(&bake, exact, tolerance, progress)?;
         }
         bake.exact = match (plan.method, exact) {
             (Method::Rays, _) | (Method::Auto, Err(_)) => None,
@@ -92,11 +92,11 @@ impl<'a> Bake<'a> {
     ///
     /// # Errors
     /// Returns [`Error`] if the threads cannot be started, a tolerance is out of reach, the exit
-    /// directions take too much memory, or `watch` stopped the bake.
-    pub(crate) fn table(&self, watch: Watch<'_>) -> Result<Table, Error> {
+    /// directions take too much memory, or the caller stopped the bake.
+    pub(crate) fn table(&self, progress: Progress<'_>) -> Result<Table, Error> {
         match self.exact {
-            Some(exact) => self.beams(exact, watch),
-            None => Ok(self.rays(watch, None, &Alone)?.table()),
+            Some(exact) => self.beams(exact, progress),
+            None => Ok(self.rays(progress, None, &Alone)?.table()),
         }
     }
 
@@ -108,29 +108,29 @@ impl<'a> Bake<'a> {
     ///
     /// # Errors
     /// Returns [`Error`] if the threads cannot be started, a tolerance is out of reach, the exit
-    /// directions take too much memory, the saved state is that of another bake, or `watch` stopped
-    /// the bake. A tolerance and the saved state fail in rank 0 only. If one rank fails, the other
-    /// ranks wait for it, so that it must end them.
+    /// directions take too much memory, the saved state is that of another bake, or the caller
+    /// stopped the bake. A tolerance and the saved state fail in rank 0 only. If one rank fails,
+    /// the other ranks wait for it, so that it must end them.
     pub(crate) fn table_from(
         &self,
-        watch: Watch<'_>,
+        progress: Progress<'_>,
         saves: Option<Saves<'_>>,
         ranks: &dyn Ranks,
     ) -> Result<Option<Table>, Error> {
         match self.exact {
             None => {
-                let work = self.rays(watch, saves, ranks)?;
+                let work = self.rays(progress, saves, ranks)?;
                 Ok(ranks.leads().then(|| work.table()))
             }
             Some(_) if !ranks.leads() => Ok(None),
-            Some(exact) => self.beams(exact, watch).map(Some),
+            Some(exact) => self.beams(exact, progress).map(Some),
         }
     }
 
     /// Traces all rays of the bake and returns the work with its sums.
     fn rays<'b>(
         &'b self,
-        watch: Watch<'b>,
+        progress: Progress<'b>,
         saves: Option<Saves<'_>>,
         ranks: &'b dyn Ranks,
     ) -> Result<Work<'b>, Error> {
@@ -147,7 +147,7 @@ impl<'a> Bake<'a> {
                 --incidence or --azimuth"
             )));
         }
-        let work = Work::new(self, watch)?;
+        let work = Work::new(self, progress)?;
         let mut rounds = Rounds { work, ranks, saves };
         rounds.go_on()?;
         match self.plan.effort {

@@ -15,7 +15,7 @@ use crate::cell::Prepared;
 use crate::plan;
 use crate::plan::{Plan, request};
 use crate::rays::{Bins, Index, Kernel, Sheet, Tracer};
-use crate::run::{Bake, Watch, trace};
+use crate::run::{Bake, Progress, trace};
 use crate::study::fit::{Reached, Slope};
 use meshes::Cell;
 use std::time::Instant;
@@ -358,7 +358,7 @@ impl StudyPlan {
             let prepared = Prepared::new(cell.clone());
             let table = Bake::new(&prepared, &plan)?
                 .by(tracer)
-                .table(Watch::none())?;
+                .table(Progress::none())?;
             seconds.push(start.elapsed().as_secs_f64());
             let share = 1.0 / repeats as f64;
             let distances = tables::l1(&table, reference);
@@ -385,7 +385,7 @@ impl StudyPlan {
 
 /// Bakes a cell, which is dissected anew because the measured seconds include that.
 fn bake(cell: &Cell, plan: &Plan) -> Result<Table, Error> {
-    trace(&Prepared::new(cell.clone()), plan, Watch::none())
+    trace(&Prepared::new(cell.clone()), plan, Progress::none())
 }
 
 /// Returns the name of a tracer in reports.

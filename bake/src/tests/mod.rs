@@ -5,6 +5,7 @@
 
 mod azimuth;
 mod bakes;
+mod batches;
 mod bounces;
 mod cells;
 mod closed_form;
@@ -13,7 +14,6 @@ mod determinism;
 mod deviations;
 mod elements;
 mod exact;
-mod flights;
 mod hard_cases;
 mod index;
 mod kernels;

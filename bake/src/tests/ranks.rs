@@ -6,7 +6,7 @@ use crate::tests::bakes::asked;
 use crate::tests::cells;
 
 use crate::plan::{Plan, Request};
-use crate::run::{Alone, Bake, Ranks, Saves, Watch};
+use crate::run::{Alone, Bake, Progress, Ranks, Saves};
 use crate::tests::bakes;
 use crate::tests::bakes::rays;
 use meshes::Cell;
@@ -78,7 +78,7 @@ fn bake_from(
     ranks: &dyn Ranks,
 ) -> Result<Option<Table>, Error> {
     let prepared = bakes::prepared(cell);
-    Bake::new(&prepared, plan)?.table_from(Watch::none(), saves, ranks)
+    Bake::new(&prepared, plan)?.table_from(Progress::none(), saves, ranks)
 }
 
 /// Makes a plan with one thread a rank.

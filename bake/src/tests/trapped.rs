@@ -380,7 +380,7 @@ fn a_front_of_index_1_changes_nothing() {
                     ..trapped(1.0)
                 };
                 let [once, all] = shares(&prepared, incidence, azimuth, rules);
-                // The beams of the sheet start from other facets than those of its pits.
+                // The beams of the sheet start from other facets than those of its recesses.
                 assert!((once.retroreflected - all.retroreflected).abs() < 1e-13);
                 for (once, all) in once.fate.iter().zip(all.fate) {
                     assert!((once - all).abs() < 1e-13, "{shape:?} {incidence}");

@@ -20,7 +20,7 @@ use crate::rays::tree::{Boxes, Node};
 use glam::{DMat3, DVec3};
 
 /// Up to [`LANES`] rays, and the nearest facet of each.
-pub(crate) struct Cluster {
+pub(crate) struct CoherentRays {
     rays: Vec<Ray>,
     /// Nearest facet of each ray.
     pub nearest: Vec<Nearest>,
@@ -50,8 +50,8 @@ struct Lines {
     first: Option<[usize; 3]>,
 }
 
-impl Cluster {
-    /// Makes a cluster without rays.
+impl CoherentRays {
+    /// Makes an empty set of rays.
     pub(crate) fn new() -> Self {
         let lines = || Lines {
             origin: [[0.0; LANES]; 3],
@@ -60,7 +60,7 @@ impl Cluster {
             inverses: [[1.0; 2]; 3],
             first: None,
         };
-        Cluster {
+        CoherentRays {
             rays: Vec::new(),
             nearest: Vec::new(),
             waiting: Vec::new(),
@@ -215,7 +215,7 @@ impl Lines {
             .then(|| self.inverses.map(|[_, high]| usize::from(high <= 0.0)));
     }
 
-    /// Returns what [`Cluster::reach`] does.
+    /// Returns what [`CoherentRays::reach`] does.
     ///
     /// Differences and products of f32 are monotonic also after rounding. So the bounds hold for
     /// what each ray computes in [`Lines::entering`].
@@ -314,7 +314,7 @@ mod tests {
             })
             .collect();
         let tree = Hierarchy::new(&facets);
-        let mut cluster = Cluster::new();
+        let mut coherent = CoherentRays::new();
         let (mut cases, mut met) = (0, 0);
         for k in 0..60 {
             let count = [64, 7, 1][k as usize % 3];
@@ -331,9 +331,9 @@ mod tests {
                     Ray::new(origin, way.normalize(), 4.0)
                 })
                 .collect();
-            cluster.fill(rays.iter().copied());
-            tree.nearest_of_cluster(&facets, &mut cluster);
-            for (ray, found) in rays.iter().zip(&cluster.nearest) {
+            coherent.fill(rays.iter().copied());
+            tree.nearest_of_each(&facets, &mut coherent);
+            for (ray, found) in rays.iter().zip(&coherent.nearest) {
                 let mut slow = Nearest::within(f64::INFINITY);
                 for (index, facet) in facets.iter().enumerate() {
                     slow.offer(index, facet, ray);

@@ -1,27 +1,27 @@
-//! Watch over a bake: it is told the progress, and says whether to go on.
+//! Progress of a bake: it is told of the rays done, and says whether to go on.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Caller's side of a long bake.
 #[derive(Clone, Copy)]
-pub struct Watch<'a> {
+pub struct Progress<'a> {
     told: &'a (dyn Fn(u64) + Sync),
     stop: Option<&'a AtomicBool>,
 }
 
-impl Watch<'static> {
-    /// Makes a watch that is told nothing and never stops the bake.
+impl Progress<'static> {
+    /// Makes a progress that is told nothing and never stops the bake.
     pub fn none() -> Self {
-        Watch::new(&|_| ())
+        Progress::new(&|_| ())
     }
 }
 
-impl<'a> Watch<'a> {
-    /// Makes a watch that calls `told` with the number of rays done since its last call.
+impl<'a> Progress<'a> {
+    /// Makes a progress that calls `told` with the number of rays done since its last call.
     ///
     /// The call may come from any thread.
     pub fn new(told: &'a (dyn Fn(u64) + Sync)) -> Self {
-        Watch { told, stop: None }
+        Progress { told, stop: None }
     }
 
     /// Ends the bake with [`crate::Error::Stopped`] soon after `stop` is set.
@@ -29,7 +29,7 @@ impl<'a> Watch<'a> {
     /// Any thread may set it.
     pub fn stopped_by(self, stop: &'a AtomicBool) -> Self {
         let stop = Some(stop);
-        Watch { stop, ..self }
+        Progress { stop, ..self }
     }
 
     /// Tells the caller that so many more rays are done.

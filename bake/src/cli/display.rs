@@ -15,11 +15,11 @@ pub(super) fn rays(bake: &Bake) -> Option<u64> {
 }
 
 /// Progress bar on stderr, hidden where stderr is no terminal.
-pub(super) struct Progress {
+pub(super) struct ProgressDisplay {
     bar: ProgressBar,
 }
 
-impl Progress {
+impl ProgressDisplay {
     /// Makes the bar of a bake; it has no end if the bake runs to a tolerance.
     ///
     /// The bar counts without being displayed if it is not `shown`.
@@ -38,7 +38,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.with_key("rate", rate));
         }
-        Progress { bar }
+        ProgressDisplay { bar }
     }
 
     /// Makes the bar of a study, which counts bakes and names the one that runs.
@@ -50,7 +50,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}") {
             bar.set_style(style);
         }
-        Progress { bar }
+        ProgressDisplay { bar }
     }
 
     /// Displays that the bake `name` begins, after `done` of `all` bakes.

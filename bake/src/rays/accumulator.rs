@@ -10,7 +10,7 @@ use tables::{Fate, Table};
 
 /// Counts of one run of rays of one direction.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Tally {
+pub(crate) struct Accumulator {
     /// Number of rays by bin, v slow, u fast.
     ///
     /// After the bins come [`LANES`] slots for the rays of the fast kernel that fall in no bin.
@@ -23,12 +23,12 @@ pub(crate) struct Tally {
     pub entries: Vec<Entry>,
 }
 
-impl Tally {
+impl Accumulator {
     /// Makes empty counts.
     ///
-    /// A tally takes at most 2^32 - 1 rays; runs are shorter than that.
+    /// An accumulator takes at most 2^32 - 1 rays; runs are shorter than that.
     pub(crate) fn new(bins: &Bins) -> Self {
-        Tally {
+        Accumulator {
             histogram: vec![0; bins.len() + LANES],
             fates: [0; Fate::ALL.len()],
             exits: Vec::new(),
@@ -36,7 +36,7 @@ impl Tally {
         }
     }
 
-    /// Takes the rays by deviation out of the tally: each place once, ascending.
+    /// Takes the rays by deviation out of the accumulator: each place once, ascending.
     pub(crate) fn take_exits(&mut self) -> Vec<Entry> {
         let alone = counted(&mut self.exits);
         self.exits.clear();
@@ -141,16 +141,16 @@ impl Sums {
     }
 
     /// Adds the counts of one run to a randomisation.
-    pub(crate) fn add(&mut self, randomisation: usize, tally: &Tally) {
-        let size = tally.histogram.len() - LANES;
+    pub(crate) fn add(&mut self, randomisation: usize, accumulator: &Accumulator) {
+        let size = accumulator.histogram.len() - LANES;
         let counts = &mut self.counts[randomisation * size..][..size];
-        for (sum, &count) in counts.iter_mut().zip(&tally.histogram) {
+        for (sum, &count) in counts.iter_mut().zip(&accumulator.histogram) {
             *sum += u64::from(count);
         }
-        for (sum, &count) in self.fates[randomisation].iter_mut().zip(&tally.fates) {
+        for (sum, &count) in self.fates[randomisation].iter_mut().zip(&accumulator.fates) {
             *sum += count;
         }
-        self.launched[randomisation] += tally.fates.iter().sum::<u64>();
+        self.launched[randomisation] += accumulator.fates.iter().sum::<u64>();
     }
 
     /// Adds rays by shift and deviation.
@@ -282,7 +282,7 @@ mod tests {
     #[test]
     fn every_ray_is_counted_once() {
         let bins = Bins::new(8, 1.0);
-        let mut tally = Tally::new(&bins);
+        let mut accumulator = Accumulator::new(&bins);
         let fates = [
             Fate::Missed,
             Fate::Retroreflected,
@@ -290,7 +290,7 @@ mod tests {
             Fate::Deviated,
         ];
         for (i, fate) in fates.into_iter().enumerate() {
-            tally.count(
+            accumulator.count(
                 &bins,
                 &Outcome {
                     fate,
@@ -301,7 +301,7 @@ mod tests {
             );
         }
         let mut sums = Sums::new(&bins, 1);
-        sums.add(0, &tally);
+        sums.add(0, &accumulator);
         assert_eq!(sums.rays(), 4);
         assert_eq!(sums.of(Fate::Retroreflected), 1);
         assert_eq!(sums.of(Fate::OutOfRange), 1, "a shift of 1.2 lies outside");
