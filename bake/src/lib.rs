@@ -74,11 +74,11 @@ pub use rays::Tracer;
 pub use run::Progress;
 pub use run::trace;
 pub use run::{Claims, Contradiction, Unchecked, claims};
-pub use run::{Comparison, ExitGap, Row};
+pub use run::{Comparison, Difference, ExitGap};
 pub use run::{Forged, consistent};
 pub use run::{error_between, rebake, retrace};
-pub use study::{Point, Reference, Series, Study, StudyPlan, StudyRequest};
 pub use study::{Reached, Slope};
+pub use study::{Reference, Series, Study, StudyPlan, StudyPoint, StudyRequest};
 
 #[cfg(test)]
 mod tests;

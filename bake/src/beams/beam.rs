@@ -13,7 +13,7 @@ use crate::beams::parts::{bounds_of_all, total_area, without};
 use crate::beams::view::{Depth, Flight, Isometry, Shadow, View};
 use crate::geometry::{Polygon, polygon};
 use crate::optics::mirror;
-use crate::optics::{LEAST_POWER, Light, PASSES, Rules, element, fate_of_leaving};
+use crate::optics::{LEAST_POWER, PASSES, PolarisedLight, Rules, element, fate_of_leaving};
 
 /// First distance within which a beam looks for lattice copies, edge lengths. If it is too short,
 /// the beam looks four times further, again and again.
@@ -40,7 +40,7 @@ pub(crate) struct LitPiece {
     /// Share of the launched power that is retroreflected.
     pub weight: f64,
     /// Fields of the light inside the front face; `None` without losses.
-    pub light: Option<Light>,
+    pub light: Option<PolarisedLight>,
     /// Deviation of the light, as in [`tables::Path::deviation`].
     pub deviation: DVec2,
     /// Number of times that the front face has sent the light back.
@@ -67,7 +67,7 @@ struct BeamCourse {
     /// Number of times that the front face has sent the light back.
     passes: u32,
     /// Polarised light of the path, or `None` without losses.
-    light: Option<Light>,
+    light: Option<PolarisedLight>,
 }
 
 impl BeamCourse {
@@ -147,7 +147,7 @@ impl Follower<'_> {
             light: self
                 .rules
                 .losses
-                .map(|_| Light::entered(view.direction, index)),
+                .map(|_| PolarisedLight::entered(view.direction, index)),
         };
         let power = course.power();
         self.settle(view.entrance_area * (1.0 - power), Fate::Absorbed);

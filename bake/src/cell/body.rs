@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use crate::cell::part::Part;
-use crate::cell::planes::Facet;
+use crate::cell::planes::PlanarFacet;
 use crate::cell::rim;
 use crate::geometry::{Polygon, polygon};
 
@@ -15,7 +15,7 @@ const OPEN: f64 = 1e-9;
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
     /// Planar facets. For a lattice with gaps they include the backs.
-    pub facets: Vec<Facet>,
+    pub facets: Vec<PlanarFacet>,
     /// Lattice vectors, edge lengths. They are `None` without a lattice and for a lattice of
     /// recesses, which do not see each other.
     pub lattice: Option<[DVec2; 2]>,
@@ -54,7 +54,7 @@ impl Body {
         let lattice = entrance.lattice.filter(|_| recesses.is_none());
         let covered: f64 = facets.iter().map(|facet| facet.area_from_above()).sum();
         if lattice.is_some() && covered < (1.0 - OPEN) * entrance_area {
-            let backs: Vec<Facet> = facets.iter().map(Facet::back).collect();
+            let backs: Vec<PlanarFacet> = facets.iter().map(PlanarFacet::back).collect();
             facets.extend(backs);
         }
         let openings = recesses.unwrap_or_else(|| vec![entrance.polygon.clone()]);

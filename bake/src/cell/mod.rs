@@ -21,5 +21,5 @@ pub(crate) use body::Body;
 pub(crate) use limits::{MEAN_ERROR, PROGRAM_FACETS, SMALL};
 pub(crate) use planar::ExactCell;
 pub(crate) use planar::NO_PLANES;
-pub(crate) use planes::Facet;
+pub(crate) use planes::PlanarFacet;
 pub use prepared::Prepared;

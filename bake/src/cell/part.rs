@@ -4,14 +4,14 @@
 
 use crate::cell::bodies::Kind;
 use crate::cell::planes;
-use crate::cell::planes::Facet;
+use crate::cell::planes::PlanarFacet;
 use meshes::{Cell, Entrance};
 
 /// Planar facets under one entrance.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Part {
     /// Planar facets, with coplanar neighbours joined.
-    pub facets: Vec<Facet>,
+    pub facets: Vec<PlanarFacet>,
     /// The entrance that light enters by.
     pub entrance: Entrance,
     /// Number of copies of the part in the cell.

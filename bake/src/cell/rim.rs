@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use glam::DVec2;
 
-use crate::cell::planes::{Facet, Key, edge_keys};
+use crate::cell::planes::{PlanarFacet, PositionBits, edge_keys};
 use crate::geometry::{Polygon, polygon};
 
 /// Largest distance of a rim corner from the entrance plane, edge lengths. It allows for the
@@ -20,8 +20,12 @@ const SAME_AREA: f64 = 1e-9;
 /// Returns the openings of the recesses in the plane z = `height`.
 ///
 /// Returns `None` if the rim leaves that plane or the openings are not the whole entrance.
-pub(crate) fn openings(facets: &[Facet], height: f64, entrance_area: f64) -> Option<Vec<Polygon>> {
-    let mut edges: HashMap<[Key; 2], (DVec2, DVec2)> = HashMap::new();
+pub(crate) fn openings(
+    facets: &[PlanarFacet],
+    height: f64,
+    entrance_area: f64,
+) -> Option<Vec<Polygon>> {
+    let mut edges: HashMap<[PositionBits; 2], (DVec2, DVec2)> = HashMap::new();
     let mut order = Vec::new();
     for facet in facets {
         for (i, edge) in edge_keys(&facet.corners).enumerate() {
@@ -58,10 +62,10 @@ pub(crate) fn openings(facets: &[Facet], height: f64, entrance_area: f64) -> Opt
 /// Returns the closed loop that begins with the edge `first`, from `start` to `next`, and removes
 /// its edges from `edges`.
 fn follow(
-    first: [Key; 2],
+    first: [PositionBits; 2],
     start: DVec2,
     next: DVec2,
-    edges: &mut HashMap<[Key; 2], (DVec2, DVec2)>,
+    edges: &mut HashMap<[PositionBits; 2], (DVec2, DVec2)>,
 ) -> Polygon {
     let mut corners = vec![start, next];
     let mut at = first[1];

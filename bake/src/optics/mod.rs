@@ -16,7 +16,7 @@ pub(crate) mod roughness;
 mod rules;
 pub(crate) mod triangle;
 
-pub(crate) use light::{Backing, Light};
+pub(crate) use light::{Backing, PolarisedLight};
 pub use material::{metal, refractive_index};
 #[cfg(test)]
 pub(crate) use mirror::deviation;

@@ -10,12 +10,12 @@ use crate::rays::coherent::CoherentRays;
 use crate::rays::frames::{MOST_FRAMES, frames};
 use crate::rays::nearest::Nearest;
 use crate::rays::simd::{InstructionSet, Task, fetch};
-use crate::rays::tree::{BLOCK, Boxes, Node, Space, Wide, build};
+use crate::rays::tree::{BLOCK, Boxes, Space, Wide, WideNode, build};
 use glam::{DMat3, DVec3, Vec4};
 
 /// Bounding volume hierarchy over a list of facets.
 pub(crate) struct Hierarchy {
-    nodes: Vec<Node>,
+    nodes: Vec<WideNode>,
     blocks: Vec<Block>,
     /// Frames of the nodes, as maps from the cell frame.
     frames: Vec<DMat3>,

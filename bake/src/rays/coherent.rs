@@ -16,7 +16,7 @@ use crate::rays::frames::MOST_FRAMES;
 use crate::rays::lane::{LANES, Singles, fold, greater, lesser};
 use crate::rays::nearest::Nearest;
 use crate::rays::simd::fetch;
-use crate::rays::tree::{Boxes, Node};
+use crate::rays::tree::{Boxes, WideNode};
 use glam::{DMat3, DVec3};
 
 /// Up to [`LANES`] rays, and the nearest facet of each.
@@ -28,7 +28,7 @@ pub(crate) struct CoherentRays {
     /// the number of the node above, plus the number of the child.
     pub waiting: Vec<(f32, u32)>,
     /// Rays in the frames of the hierarchy.
-    lines: [Lines; MOST_FRAMES],
+    lines: [FrameLines; MOST_FRAMES],
     sights: Vec<Sight>,
     /// Numbers of rays with those of facets of a block that they may meet.
     candidates: Vec<(u32, u32)>,
@@ -39,7 +39,7 @@ pub(crate) struct CoherentRays {
 }
 
 /// Origins and inverse directions of rays in a frame, with bounds on all of them.
-struct Lines {
+struct FrameLines {
     origin: [Singles; 3],
     inverse: [Singles; 3],
     /// Least and greatest origin by axis.
@@ -53,7 +53,7 @@ struct Lines {
 impl CoherentRays {
     /// Makes an empty set of rays.
     pub(crate) fn new() -> Self {
-        let lines = || Lines {
+        let lines = || FrameLines {
             origin: [[0.0; LANES]; 3],
             inverse: [[1.0; LANES]; 3],
             origins: [[0.0; 2]; 3],
@@ -123,14 +123,14 @@ impl CoherentRays {
     /// Returns a lower bound on the distance at which a ray enters each box of `node`, and the set
     /// of boxes that a ray may enter within the distance `limit`.
     #[inline(always)]
-    pub(crate) fn reach(&self, node: &Node, limit: f32) -> ([f32; 8], u32) {
+    pub(crate) fn reach(&self, node: &WideNode, limit: f32) -> ([f32; 8], u32) {
         let (from, met) = self.lines[node.frame as usize].reach(&node.boxes, limit);
         (from, met & node.used)
     }
 
     /// Returns the rays that enter the box of child number `child` of `node`, one bit for each.
     #[inline(always)]
-    pub(crate) fn entering(&self, node: &Node, child: usize) -> u64 {
+    pub(crate) fn entering(&self, node: &WideNode, child: usize) -> u64 {
         let bounds = |end: usize| [0, 1, 2].map(|axis| node.boxes.ends[end][axis][child]);
         self.lines[node.frame as usize].entering([bounds(0), bounds(1)], &self.to)
     }
@@ -175,7 +175,7 @@ fn far(distance: f64, skipped: f64, padding: f64) -> f32 {
     far.min(f32::MAX)
 }
 
-impl Lines {
+impl FrameLines {
     /// Takes the ray of a lane.
     #[inline(always)]
     fn set(&mut self, lane: usize, origin: DVec3, direction: DVec3) {
@@ -218,7 +218,7 @@ impl Lines {
     /// Returns what [`CoherentRays::reach`] does.
     ///
     /// Differences and products of f32 are monotonic also after rounding. So the bounds hold for
-    /// what each ray computes in [`Lines::entering`].
+    /// what each ray computes in [`FrameLines::entering`].
     #[inline(always)]
     fn reach(&self, boxes: &Boxes, limit: f32) -> ([f32; 8], u32) {
         let (mut from, mut to) = ([0.0; 8], [limit; 8]);

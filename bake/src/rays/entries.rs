@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// Samples of one randomisation.
 #[derive(Debug, Clone)]
-pub(crate) struct Part {
+pub(crate) struct SampleRange {
     /// Stream of the samples.
     pub stream: Stream,
     /// Indices of the samples.
@@ -14,7 +14,7 @@ pub(crate) struct Part {
 }
 
 /// Returns the number of samples of all `parts`.
-pub(crate) fn rays(parts: &[Part]) -> u64 {
+pub(crate) fn rays(parts: &[SampleRange]) -> u64 {
     let counts = parts
         .iter()
         .map(|part| part.samples.end - part.samples.start);
@@ -23,7 +23,7 @@ pub(crate) fn rays(parts: &[Part]) -> u64 {
 
 /// Ray at the entrance.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Entry {
+pub(crate) struct EntryPoint {
     /// Point where the ray enters, edge lengths.
     pub point: DVec2,
     /// Number of the sample in its part.
@@ -32,15 +32,15 @@ pub(crate) struct Entry {
     pub part: u32,
 }
 
-impl Entry {
+impl EntryPoint {
     /// Returns the number of the part that the sample belongs to.
     pub(crate) fn part(&self) -> usize {
         self.part as usize
     }
 
     /// Returns the stream and the index of the sample; `parts` are those that it was drawn from.
-    pub(crate) fn sample<'a>(&self, parts: &'a [Part]) -> (&'a Stream, u64) {
-        let Part { stream, samples } = &parts[self.part()];
+    pub(crate) fn sample<'a>(&self, parts: &'a [SampleRange]) -> (&'a Stream, u64) {
+        let SampleRange { stream, samples } = &parts[self.part()];
         (stream, samples.start + u64::from(self.sample))
     }
 }
@@ -51,14 +51,14 @@ impl Entry {
 /// A part has at most 2^32 samples.
 pub(crate) fn entries<'a>(
     launch: &'a Launch,
-    parts: &'a [Part],
-) -> impl Iterator<Item = (usize, Entry)> + 'a {
+    parts: &'a [SampleRange],
+) -> impl Iterator<Item = (usize, EntryPoint)> + 'a {
     parts.iter().enumerate().flat_map(move |(part, own)| {
         let part = part as u32;
         own.samples.clone().map(move |index| {
             let (scene, point) = launch.entry(&own.stream, index);
             let sample = (index - own.samples.start) as u32;
-            let entry = Entry {
+            let entry = EntryPoint {
                 point,
                 sample,
                 part,

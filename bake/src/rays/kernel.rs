@@ -5,8 +5,8 @@ use crate::rays::accumulator::Accumulator;
 use crate::rays::bins::Bins;
 use crate::rays::bvh::Hierarchy;
 use crate::rays::departures::Departures;
-use crate::rays::entries::{Entry, Part, entries};
-use crate::rays::exits::Exits;
+use crate::rays::entries::{EntryPoint, SampleRange, entries};
+use crate::rays::exits::NumberedExits;
 use crate::rays::groups::{MOST_RAYS, RayGroup};
 use crate::rays::lanes;
 use crate::rays::lanes::Batch;
@@ -72,7 +72,7 @@ pub(crate) struct Kernel {
     /// Grid that exit directions are recorded on; `None` if they are not recorded.
     exits: Option<Grid>,
     /// Exit directions of the programs, where they are recorded.
-    exits_of_programs: Option<Exits>,
+    exits_of_programs: Option<NumberedExits>,
 }
 
 impl Kernel {
@@ -177,7 +177,7 @@ impl Kernel {
         let Some(grid) = &exits else {
             return self;
         };
-        let exits_of_programs = Exits::new(&self.programs, grid, &self.bins);
+        let exits_of_programs = NumberedExits::new(&self.programs, grid, &self.bins);
         Kernel {
             programs: match exits_of_programs {
                 Some(_) => self.programs,
@@ -242,7 +242,7 @@ impl Kernel {
         samples: Range<u64>,
         accumulator: &mut Accumulator,
     ) {
-        let part = Part {
+        let part = SampleRange {
             stream: *stream,
             samples,
         };
@@ -250,11 +250,11 @@ impl Kernel {
     }
 
     /// Traces each of `parts` into its accumulator.
-    pub(crate) fn trace_parts(&self, parts: &[Part], accumulators: &mut [Accumulator]) {
+    pub(crate) fn trace_parts(&self, parts: &[SampleRange], accumulators: &mut [Accumulator]) {
         if self.programs.is_empty() && self.rough.is_none() {
             return self.trace_paths(parts, accumulators);
         }
-        for (Part { stream, samples }, accumulator) in parts.iter().zip(accumulators) {
+        for (SampleRange { stream, samples }, accumulator) in parts.iter().zip(accumulators) {
             if let (Some(roughness), Some(direction)) = (self.rough, &self.direction) {
                 self.trace_rough(roughness, direction, stream, samples.clone(), accumulator);
                 continue;
@@ -300,7 +300,7 @@ impl Kernel {
 
     /// Traces the samples of `parts` facet by facet: in groups if every scene allows them,
     /// otherwise one by one.
-    fn trace_paths(&self, parts: &[Part], accumulators: &mut [Accumulator]) {
+    fn trace_paths(&self, parts: &[SampleRange], accumulators: &mut [Accumulator]) {
         let hierarchies = self.scenes.iter().map(|scene| scene.for_groups());
         let hierarchies: Option<Vec<&Hierarchy>> = hierarchies.collect();
         match hierarchies {
@@ -315,13 +315,13 @@ impl Kernel {
     fn trace_groups(
         &self,
         hierarchies: &[&Hierarchy],
-        parts: &[Part],
+        parts: &[SampleRange],
         accumulators: &mut [Accumulator],
     ) {
         for (number, (scene, &hierarchy)) in self.scenes.iter().zip(hierarchies).enumerate() {
             let mut group = RayGroup::new(scene, hierarchy, &self.rules);
             for neighbours in self.neighbours(number, parts).chunks(MOST_RAYS) {
-                let path = |entry: &Entry| {
+                let path = |entry: &EntryPoint| {
                     let (stream, index) = entry.sample(parts);
                     let direction = self.direction_of(stream, index);
                     (direction, entry.point, self.random(stream, index))
@@ -335,7 +335,7 @@ impl Kernel {
     }
 
     /// Returns the rays that enter scene number `scene`, sorted into tiles.
-    fn neighbours(&self, scene: usize, parts: &[Part]) -> Vec<Entry> {
+    fn neighbours(&self, scene: usize, parts: &[SampleRange]) -> Vec<EntryPoint> {
         neighbours(&self.launch, parts, scene, self.instructions)
     }
 
@@ -367,7 +367,7 @@ impl Kernel {
         samples: Range<u64>,
         accumulator: &mut Accumulator,
     ) {
-        let part = Part {
+        let part = SampleRange {
             stream: *stream,
             samples,
         };
@@ -375,7 +375,7 @@ impl Kernel {
     }
 
     /// Traces the samples of `parts` ray by ray with [`trace`].
-    fn trace_alone(&self, parts: &[Part], accumulators: &mut [Accumulator]) {
+    fn trace_alone(&self, parts: &[SampleRange], accumulators: &mut [Accumulator]) {
         if !self.is_large() {
             return self.trace_entries(parts, entries(&self.launch, parts), accumulators);
         }
@@ -389,8 +389,8 @@ impl Kernel {
     /// Traces the samples of `entries`, which belong to `parts`.
     fn trace_entries(
         &self,
-        parts: &[Part],
-        entries: impl Iterator<Item = (usize, Entry)>,
+        parts: &[SampleRange],
+        entries: impl Iterator<Item = (usize, EntryPoint)>,
         accumulators: &mut [Accumulator],
     ) {
         for (scene, entry) in entries {

@@ -18,7 +18,7 @@ use crate::rays::bins::Bins;
 use crate::rays::drawn::order;
 use crate::rays::drawn::{chances, digits, points, sobol};
 use crate::rays::excerpt::Excerpt;
-use crate::rays::exits::{Exits, Record};
+use crate::rays::exits::{ExitCounts, NumberedExits};
 use crate::rays::lane::{LANES, Mask, Reals, choose};
 use crate::rays::program::{DEPTH, End, Loss, Program, Step};
 use crate::rays::region::Affine;
@@ -53,7 +53,7 @@ pub(crate) struct Batch<'a> {
     /// Indices of the samples.
     pub samples: Range<u64>,
     /// Exit directions to record; `None` if they are not recorded.
-    pub exits: Option<&'a Exits>,
+    pub exits: Option<&'a NumberedExits>,
 }
 
 /// Tracing of a batch, compiled for each kind of batch: the plain one has its registers for itself.
@@ -104,8 +104,8 @@ fn run<const RECORD: bool, const LOSSY: bool>(batch: &Batch, accumulator: &mut A
     let programs = Programs { programs, exits };
     let (histogram, list) = match &mut record {
         None => (&mut accumulator.histogram[..], None),
-        Some(Record::Counters(counters)) => (&mut counters[..], None),
-        Some(Record::List(list)) => (&mut [][..], Some(list)),
+        Some(ExitCounts::Counters(counters)) => (&mut counters[..], None),
+        Some(ExitCounts::List(list)) => (&mut [][..], Some(list)),
     };
     let mut work = Scratch {
         bins,
@@ -355,7 +355,7 @@ struct Passage<'a> {
 #[derive(Clone, Copy)]
 struct Programs<'a> {
     programs: &'a [Program],
-    exits: Option<&'a Exits>,
+    exits: Option<&'a NumberedExits>,
 }
 
 impl<'a> Programs<'a> {

@@ -35,7 +35,7 @@ mod tree;
 
 pub(crate) use accumulator::{Accumulator, Sums};
 pub(crate) use bins::Bins;
-pub(crate) use entries::Part;
+pub(crate) use entries::SampleRange;
 pub(crate) use kernel::Kernel;
 pub use kernel::Tracer;
 #[cfg(test)]

@@ -3,8 +3,8 @@
 //! All faster tracers are checked against this one.
 
 use crate::optics::{
-    Backing, Incidence, LEAST_POWER, Leaving, Light, PASSES, Ray, Rules, element, fate_of_leaving,
-    mirrored, reflect, refract, roughness,
+    Backing, Incidence, LEAST_POWER, Leaving, PASSES, PolarisedLight, Ray, Rules, element,
+    fate_of_leaving, mirrored, reflect, refract, roughness,
 };
 use crate::rays::scene::{Event, Scene};
 use crate::samples::Stream;
@@ -180,7 +180,7 @@ impl From<f64> for RandomNumbers {
 ///
 /// It goes on as long as the power that a beam would have left exceeds its `chance`.
 struct Photon {
-    light: Light,
+    light: PolarisedLight,
     surface: Backing,
     chance: f64,
 }
@@ -230,7 +230,7 @@ impl RayPath {
             course: Course::new(direction),
             prism: [0, 0],
             photon: rules.losses.map(|surface| Photon {
-                light: Light::entered(direction.travel, rules.refractive_index),
+                light: PolarisedLight::entered(direction.travel, rules.refractive_index),
                 surface,
                 chance,
             }),

@@ -20,7 +20,7 @@
 //! them `Program::new` returns `None`, and they are traced facet by facet.
 
 use crate::optics::{
-    BOUNCE_LIMIT, Incidence, Light, Rules, Triangle, fate_of_leaving, reflect, reflection,
+    BOUNCE_LIMIT, Incidence, PolarisedLight, Rules, Triangle, fate_of_leaving, reflect, reflection,
 };
 use crate::rays::bins::Bins;
 use crate::rays::region::{Affine, ROUNDING, Region, extent, needed, split};
@@ -122,7 +122,7 @@ impl Program {
         let index = rules.refractive_index;
         let light = rules
             .losses
-            .map(|_| Light::entered(direction.travel, index));
+            .map(|_| PolarisedLight::entered(direction.travel, index));
         let root = UnfoldedRay {
             light,
             direction: direction.travel,
@@ -161,7 +161,7 @@ impl Program {
 /// A point of the line is `map` (p.x, p.y, height) + `offset` + distance x `direction`.
 struct UnfoldedRay {
     /// Polarised light of the path; `None` without losses.
-    light: Option<Light>,
+    light: Option<PolarisedLight>,
     direction: DVec3,
     /// Linear map of the reflections so far.
     map: DMat3,

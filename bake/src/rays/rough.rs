@@ -49,7 +49,7 @@ pub(crate) struct RoughBatch<'a> {
 
 /// Sample of a batch: its index, and the point where its ray enters.
 #[derive(Debug, Clone, Copy)]
-struct Entry {
+struct RoughEntry {
     index: u64,
     point: DVec2,
 }
@@ -122,14 +122,14 @@ fn run(batch: &RoughBatch, departures: &mut Departures, accumulator: &mut Accumu
 
 /// Draws the samples of a batch; returns those of each scene.
 #[inline(always)]
-fn entries(batch: &RoughBatch) -> Vec<Vec<Entry>> {
+fn entries(batch: &RoughBatch) -> Vec<Vec<RoughEntry>> {
     let RoughBatch { launch, stream, .. } = *batch;
     let samples = batch.samples.clone();
     let mut entries = vec![Vec::new(); batch.scenes.len()];
     if lanes::sorts(launch) {
         for index in samples {
             let (scene, point) = launch.entry(stream, index);
-            entries[scene].push(Entry { index, point });
+            entries[scene].push(RoughEntry { index, point });
         }
         return entries;
     }
@@ -141,7 +141,7 @@ fn entries(batch: &RoughBatch) -> Vec<Vec<Entry>> {
             let of_scene = &mut entries[piece.scene];
             for lane in 0..count {
                 if chosen[lane] >> 63 == 1 {
-                    of_scene.push(Entry {
+                    of_scene.push(RoughEntry {
                         index: first + lane as u64,
                         point: DVec2::new(x[lane], y[lane]),
                     });
@@ -240,8 +240,8 @@ impl LaneRays {
 
     /// Starts rays in the first lanes, where the rays have met no facet.
     #[inline(always)]
-    fn fill(&mut self, entries: &[Entry]) {
-        for (lane, Entry { index, point }) in entries.iter().enumerate() {
+    fn fill(&mut self, entries: &[RoughEntry]) {
+        for (lane, RoughEntry { index, point }) in entries.iter().enumerate() {
             (self.point[0][lane], self.point[1][lane]) = (point.x, point.y);
             (self.origin[0][lane], self.origin[1][lane]) = (point.x, point.y);
             self.index[lane] = *index;

@@ -4,7 +4,7 @@
 //! direction are sorted together.
 
 use crate::rays::drawn::{digits, points};
-use crate::rays::entries::{Entry, Part, rays};
+use crate::rays::entries::{EntryPoint, SampleRange, rays};
 use crate::rays::lane::{LANES, Mask, Reals, UNITS, floor};
 use crate::rays::simd::{InstructionSet, Task};
 use crate::samples::{Launch, Stream};
@@ -17,10 +17,10 @@ use glam::DVec2;
 /// samples.
 pub(crate) fn neighbours(
     launch: &Launch,
-    parts: &[Part],
+    parts: &[SampleRange],
     scene: usize,
     instructions: InstructionSet,
-) -> Vec<Entry> {
+) -> Vec<EntryPoint> {
     instructions.run(Sorting {
         launch,
         parts,
@@ -92,19 +92,19 @@ impl Tiles {
 /// Samples that are drawn and sorted: the arguments of [`neighbours`].
 struct Sorting<'a> {
     launch: &'a Launch,
-    parts: &'a [Part],
+    parts: &'a [SampleRange],
     scene: usize,
     tiles: Tiles,
 }
 
 impl Task for Sorting<'_> {
-    type Output = Vec<Entry>;
+    type Output = Vec<EntryPoint>;
 
     /// Counts the rays of each tile and then puts every ray in its place.
     ///
     /// The samples are drawn twice, which costs less than a list of them between.
     #[inline(always)]
-    fn run(self) -> Vec<Entry> {
+    fn run(self) -> Vec<EntryPoint> {
         // Rays of other scenes come after all tiles.
         let mut next = vec![0_u32; self.tiles.count as usize + 2];
         self.draw(|drawn, _| {
@@ -116,13 +116,13 @@ impl Task for Sorting<'_> {
             next[tile] += next[tile - 1];
         }
         let count = next[self.tiles.count as usize] as usize;
-        let mut sorted = vec![Entry::default(); count];
+        let mut sorted = vec![EntryPoint::default(); count];
         self.draw(|drawn, (part, first)| {
             for lane in 0..drawn.count {
                 let place = &mut next[drawn.tile[lane] as usize];
                 *place += 1;
                 if let Some(entry) = sorted.get_mut(*place as usize - 1) {
-                    *entry = Entry {
+                    *entry = EntryPoint {
                         point: DVec2::new(drawn.x[lane], drawn.y[lane]),
                         sample: first + lane as u32,
                         part,
@@ -210,7 +210,7 @@ mod tests {
         ] {
             let launch = Launch::among(&entrances);
             for sampler in [Sampler::Random, Sampler::Sobol] {
-                let part = |number, samples| Part {
+                let part = |number, samples| SampleRange {
                     stream: Stream::new(sampler, 3, 20.0, 0.0, number),
                     samples,
                 };
@@ -232,7 +232,8 @@ mod tests {
                         let point = entry.point.to_array().map(f64::to_bits);
                         assert_eq!(all[scene].get(&(entry.part, entry.sample)), Some(&point));
                     }
-                    let tile = |e: &Entry| tiles.of(&[e.point.x; LANES], &[e.point.y; LANES])[0];
+                    let tile =
+                        |e: &EntryPoint| tiles.of(&[e.point.x; LANES], &[e.point.y; LANES])[0];
                     assert!(found.is_sorted_by_key(tile));
                     for of_tile in found.chunk_by(|a, b| tile(a) == tile(b)) {
                         let low = of_tile.iter().map(|e| e.point).reduce(DVec2::min);

@@ -31,7 +31,7 @@ mod world;
 pub(crate) use bake::Bake;
 pub(crate) use between::Between;
 pub use claims::{Claims, Contradiction, Unchecked, claims};
-pub use comparison::{Comparison, Row};
+pub use comparison::{Comparison, Difference};
 pub use exits::ExitGap;
 pub use paths::{Forged, consistent};
 pub use progress::Progress;

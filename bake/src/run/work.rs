@@ -3,7 +3,7 @@
 //! The sums are integers, so the number of threads or ranks has no effect on them.
 
 use crate::error::Error;
-use crate::rays::{Accumulator, Bins, Index, Kernel, Part, Sheet, Sums};
+use crate::rays::{Accumulator, Bins, Index, Kernel, SampleRange, Sheet, Sums};
 use crate::run::bake::Bake;
 use crate::run::progress::Progress;
 use crate::samples::Stream;
@@ -131,11 +131,11 @@ impl<'a> Work<'a> {
                 }
                 let accumulators = &mut accumulators[..count];
                 accumulators.iter_mut().for_each(Accumulator::clear);
-                let part = |(randomisation, samples): &(usize, Range<u64>)| Part {
+                let part = |(randomisation, samples): &(usize, Range<u64>)| SampleRange {
                     stream: run.direction.streams[*randomisation],
                     samples: samples.clone(),
                 };
-                let parts: Vec<Part> = run.samples.iter().map(part).collect();
+                let parts: Vec<SampleRange> = run.samples.iter().map(part).collect();
                 run.kernel.trace_parts(&parts, accumulators);
                 for ((randomisation, _), accumulator) in run.samples.iter().zip(accumulators) {
                     let exits = accumulator.take_exits();

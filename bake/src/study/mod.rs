@@ -13,4 +13,4 @@ pub(crate) mod study;
 pub use fit::{Reached, Slope};
 #[cfg(test)]
 pub(crate) use report::expected_exponent;
-pub use study::{Point, Reference, Series, Study, StudyPlan, StudyRequest};
+pub use study::{Reference, Series, Study, StudyPlan, StudyPoint, StudyRequest};

@@ -99,7 +99,7 @@ fn stretched(stretch: [f64; 3]) -> Cell {
 }
 
 /// Sums of all paths of one direction that share a map and a deviation.
-struct Spot {
+struct PathSum {
     matrix: [[f64; 2]; 2],
     offset: [f64; 2],
     deviation: [f64; 2],
@@ -107,10 +107,10 @@ struct Spot {
     moments: [f64; 3],
 }
 
-impl Spot {
+impl PathSum {
     /// Returns the largest difference of two spots in all their numbers.
-    fn apart(&self, other: &Spot) -> f64 {
-        let all = |spot: &Spot| {
+    fn apart(&self, other: &PathSum) -> f64 {
+        let all = |spot: &PathSum| {
             let [[a, b], [c, d]] = spot.matrix;
             let ([e, f], [g, h]) = (spot.offset, spot.deviation);
             let [i, j, k] = spot.moments;
@@ -122,8 +122,8 @@ impl Spot {
 }
 
 /// Adds up the paths that share a map, however their light is cut into polygons.
-fn spots(paths: &[tables::Path]) -> Vec<Spot> {
-    let mut spots: Vec<Spot> = Vec::new();
+fn spots(paths: &[tables::Path]) -> Vec<PathSum> {
+    let mut spots: Vec<PathSum> = Vec::new();
     for path in paths {
         let mut moments = [0.0; 3];
         let ends = path.polygon.iter().zip(path.polygon.iter().cycle().skip(1));
@@ -135,7 +135,7 @@ fn spots(paths: &[tables::Path]) -> Vec<Spot> {
             }
         }
         // The map of a facet sequence is computed once, so equal maps are equal to the last bit.
-        let same = |spot: &&mut Spot| {
+        let same = |spot: &&mut PathSum| {
             (spot.matrix, spot.offset, spot.deviation) == (path.matrix, path.offset, path.deviation)
         };
         match spots.iter_mut().find(same) {
@@ -144,7 +144,7 @@ fn spots(paths: &[tables::Path]) -> Vec<Spot> {
                     *sum += part;
                 }
             }
-            None => spots.push(Spot {
+            None => spots.push(PathSum {
                 matrix: path.matrix,
                 offset: path.offset,
                 deviation: path.deviation,

@@ -4,7 +4,9 @@
 use crate::cell::Whole;
 use crate::optics::Incidence;
 use crate::plan::{Plan, Request};
-use crate::rays::{Accumulator, Bins, Event, Index, Kernel, Outcome, Part, Scene, Tracer, trace};
+use crate::rays::{
+    Accumulator, Bins, Event, Index, Kernel, Outcome, SampleRange, Scene, Tracer, trace,
+};
 use crate::samples::{Launch, Stream};
 use crate::tests::bakes;
 use crate::tests::bakes::asked;
@@ -281,11 +283,11 @@ fn samples_traced_together_are_counted_apart() {
         let (launch, bins) = (Launch::new(&cell.entrance), Bins::new(32, 2.0));
         let kernel = Kernel::new(&scene, &launch, &RULES, &bins, 20.0, 30.0);
         assert!(kernel.mixes());
-        let part = |number: u64| Part {
+        let part = |number: u64| SampleRange {
             stream: Stream::new(Sampler::Sobol, 1, 20.0, 30.0, number),
             samples: 10 * number..10 * number + 3_000 + number,
         };
-        let parts: Vec<Part> = (0..5).map(part).collect();
+        let parts: Vec<SampleRange> = (0..5).map(part).collect();
         let mut together = vec![Accumulator::new(&bins); parts.len()];
         kernel.trace_parts(&parts, &mut together);
         for (part, accumulator) in parts.iter().zip(&together) {

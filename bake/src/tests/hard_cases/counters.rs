@@ -5,7 +5,7 @@ use crate::plan::Request;
 use crate::rays::{Accumulator, Bins, Index, Kernel, Scene, Sums};
 use crate::samples::{Launch, Stream};
 use crate::tests::bakes::compare;
-use crate::tests::hard_cases::both::{Light, bake, cell, sound};
+use crate::tests::hard_cases::both::{BothOptions, bake, cell, sound};
 use meshes::design::Shape;
 use ndarray::{Array4, Array5};
 use std::sync::Arc;
@@ -23,7 +23,7 @@ fn one_ray() {
             let request = Request {
                 rays: Some(1),
                 sampler,
-                ..Light::new("0,20", "0").request(Method::Rays)
+                ..BothOptions::new("0,20", "0").request(Method::Rays)
             };
             let table = bake(&cell(shape), &request);
             sound(&table, shape.name());
@@ -38,7 +38,7 @@ fn one_ray() {
             let file = folder.path().join("one.h5");
             tables::write(&table, &file).expect("writes");
             assert_eq!(tables::read(&file).expect("reads"), table);
-            let exact = Light::new("0,20", "0").bake(&cell(shape), Method::Exact);
+            let exact = BothOptions::new("0,20", "0").bake(&cell(shape), Method::Exact);
             assert!(
                 tables::l1(&table, &exact)
                     .iter()
@@ -111,7 +111,7 @@ fn more_than_2_to_the_34_rays() {
     assert_eq!(sums.rays(), back + 10);
     assert_eq!(sums.l1_error(), 0.0, "equal randomisations");
 
-    let light = Light::new("20", "0");
+    let light = BothOptions::new("20", "0");
     let request = Request {
         bins: 4,
         ..light.request(Method::Rays)

@@ -5,7 +5,7 @@ use ndarray::{Array1, ArrayView1, ArrayViewD};
 
 use crate::file::layout::deviations;
 use crate::file::layout::flat::Flat;
-use crate::file::layout::names::{self, Scale, Variable, attribute, exact};
+use crate::file::layout::names::{self, DimensionScale, Variable, attribute, exact};
 use crate::file::layout::put::{dataset, put, put_array, put_text, text};
 use crate::file::library::{load_no_code, unused_name};
 use crate::file::scales::{attach_scale, set_scale};
@@ -86,7 +86,11 @@ struct Writer<'a> {
 
 impl Writer<'_> {
     /// Writes a dimension scale.
-    fn scale<T: H5Type + Clone>(&mut self, scale: &Scale, values: ArrayView1<T>) -> Result<()> {
+    fn scale<T: H5Type + Clone>(
+        &mut self,
+        scale: &DimensionScale,
+        values: ArrayView1<T>,
+    ) -> Result<()> {
         let dataset = dataset(self.file, scale.name, values, &[values.len()])?;
         set_scale(&dataset, scale.c_name)?;
         describe(&dataset, scale.units, scale.long_name)?;
