@@ -33,7 +33,7 @@
 //! a [`Request`] and in the axes of a table. Probabilities are per launched ray. The ray shift is
 //! p' - p in the entrance plane, with the axes u along the direction of travel and v = n x u.
 //!
-//! # Rooms
+//! # Modules
 //!
 //! Each folder imports only the folders before it in this list:
 //!

@@ -26,7 +26,7 @@
 #![deny(unsafe_code)]
 #![warn(unreachable_pub)]
 
-// The rooms, ground first: each imports only those before it.
+// Each module imports only those before it.
 #[cfg(feature = "cli")]
 pub mod cli;
 mod error;

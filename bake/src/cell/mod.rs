@@ -1,8 +1,8 @@
 //! The facts of a mesh that matter to light, each found once: its bodies, its planar facets and
 //! their openings, its symmetry.
 //!
-//! A [`meshes::Cell`] enters. A [`prepared::Prepared`] leaves, and every room above asks it instead
-//! of the mesh. This room may touch `geometry` and `optics`. It knows no direction of incidence.
+//! A [`meshes::Cell`] enters. A [`prepared::Prepared`] leaves, which all modules above ask instead
+//! of the mesh. It knows no direction of incidence.
 
 mod bodies;
 mod body;

@@ -1,9 +1,8 @@
 //! The request for a bake: the options as typed, checked, with every default.
 //!
 //! A [`request::Request`] enters. Either a [`plan::Plan`] leaves, in which nothing is out of range,
-//! or a [`crate::Error`] that names the option and the remedy. Nothing changes a plan after
-//! that. This room may touch `cell` and the rooms below it, because some answers of a plan, such as
-//! its warnings, depend on the cell.
+//! or a [`crate::Error`] that names the option and the remedy. Nothing changes a plan after that.
+//! Its warnings and some of its answers depend on the cell.
 
 pub(crate) mod default;
 mod deviations;

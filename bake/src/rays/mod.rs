@@ -3,8 +3,8 @@
 //! A prepared cell, the rules and one direction enter. Integer counts by bin and by fate leave. The
 //! rays are traced in four ways: one by one, down a hierarchy in groups of neighbours, as a program
 //! of 64 rays side by side, and side by side with directions of their own. All ways give the same
-//! result, bit for bit. This room may touch `cell`, `optics` and `samples`. It knows no thread and
-//! no table. Its file `simd` holds the only unsafe code.
+//! result, bit for bit. This module knows no thread and no table. Its file `simd` holds the only
+//! unsafe code.
 
 mod accumulator;
 mod bins;

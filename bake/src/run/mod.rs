@@ -1,10 +1,9 @@
 //! The bake: a prepared cell and a plan become a table, on all threads and ranks.
 //!
 //! [`trace::trace`] does the whole bake. [`retrace::retrace`] checks the numbers of a table against
-//! its mesh, [`claims::claims`] what it says about its bake. [`comparison::Comparison`] compares two
-//! tables. A [`progress::Progress`] is told the progress and can stop the bake. This room may touch
-//! `rays`, `beams` and all below. It prints nothing. Only its file `saves` knows the disk, and only
-//! `world` knows MPI.
+//! its mesh, [`claims::claims`] what it says about its bake. [`comparison::Comparison`] compares
+//! two tables. A [`progress::Progress`] is told the rays done and can stop the bake. Nothing is
+//! printed. Only the file `saves` knows the disk, and only `world` knows MPI.
 
 mod bake;
 mod beams;

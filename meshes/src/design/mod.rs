@@ -1,7 +1,6 @@
 //! Parametric cells: corner cubes with their errors, tiles of them, curved faces, plates and beads.
 //!
-//! Numbers enter and a mesh leaves, as a file would give it. The room touches the mesh room, and
-//! the files, because the hash of a design is that of its OBJ text.
+//! Numbers enter and a mesh leaves, as a file would give it. Its hash is that of its OBJ text.
 
 mod bead;
 mod corner;
