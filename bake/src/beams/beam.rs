@@ -9,7 +9,7 @@ use glam::{DMat2, DVec2, DVec3};
 use tables::Fate;
 
 use crate::beams::candidate::Candidate;
-use crate::beams::parts::{bounds_of_all, total_area, without};
+use crate::beams::exact::{bounds_of_all, total_area, without};
 use crate::beams::view::{Depth, Flight, Isometry, Shadow, View};
 use crate::geometry::{Polygon, polygon};
 use crate::optics::mirror;

@@ -8,7 +8,6 @@ mod bins;
 mod candidate;
 pub(crate) mod exact;
 mod mean;
-mod parts;
 mod paths;
 mod view;
 

@@ -1,11 +1,11 @@
-//! A cell, or one of the bodies that it falls into, prepared for the exact bake.
+//! Planar facets of a cell, or of one of the bodies that it falls into, prepared for the exact bake.
 
-use glam::DVec2;
-
-use crate::cell::part::Part;
+use crate::cell::bodies::Kind;
 use crate::cell::planes::PlanarFacet;
-use crate::cell::rim;
+use crate::cell::{planes, rim};
 use crate::geometry::{Polygon, polygon};
+use glam::DVec2;
+use meshes::{Cell, Entrance};
 
 /// Largest share of a period that facets may leave open without showing their backs. Through a
 /// wider gap light comes through and meets the backs.
@@ -69,6 +69,37 @@ impl Body {
             height: entrance.height,
             weight,
             sheet: None,
+        }
+    }
+}
+
+/// Planar facets under one entrance.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Part {
+    /// Planar facets, with coplanar neighbours joined.
+    pub facets: Vec<PlanarFacet>,
+    /// The entrance that light enters by.
+    pub entrance: Entrance,
+    /// Number of copies of the part in the cell.
+    pub copies: usize,
+}
+
+impl Part {
+    /// Joins the facets of one body of `kind`.
+    pub(crate) fn of(kind: &Kind) -> Self {
+        Part {
+            facets: planes::join(&kind.facets),
+            entrance: kind.entrance.clone(),
+            copies: kind.places.len(),
+        }
+    }
+
+    /// Joins the facets of the whole cell.
+    pub(crate) fn whole(cell: &Cell) -> Self {
+        Part {
+            facets: planes::join(&cell.facets),
+            entrance: cell.entrance.clone(),
+            copies: 1,
         }
     }
 }

@@ -6,8 +6,6 @@
 
 mod bodies;
 mod body;
-mod limits;
-mod part;
 mod planar;
 mod planes;
 mod prepared;
@@ -18,8 +16,8 @@ mod symmetry;
 pub(crate) use bodies::Kind;
 pub(crate) use bodies::Whole;
 pub(crate) use body::Body;
-pub(crate) use limits::{MEAN_ERROR, PROGRAM_FACETS, SMALL};
 pub(crate) use planar::ExactCell;
 pub(crate) use planar::NO_PLANES;
 pub(crate) use planes::PlanarFacet;
 pub use prepared::Prepared;
+pub(crate) use prepared::{MEAN_ERROR, PROGRAM_FACETS, SMALL};

@@ -9,7 +9,7 @@
 //! - A periodic cell is compared modulo its lattice.
 //! - Any other cell is compared as it is, with its rim.
 
-use crate::cell::part::Part;
+use crate::cell::body::Part;
 use crate::cell::planes::PlanarFacet;
 use glam::{DMat2, DVec2, DVec3};
 use tables::Symmetry;

@@ -10,13 +10,12 @@ mod directions;
 mod effort;
 pub(crate) mod heading;
 mod losses;
-mod number;
 mod plan;
 pub(crate) mod request;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use effort::{Effort, Shard};
-pub(crate) use number::{MOST_BYTES, RAYS_PER_RANDOMISATION};
+pub(crate) use effort::{MOST_BYTES, RAYS_PER_RANDOMISATION};
 pub use plan::Plan;
 pub use request::Request;

@@ -11,10 +11,10 @@
 
 use crate::optics::{Ray, Triangle};
 use crate::rays::block::{Block, Sight};
+use crate::rays::bvh::Nearest;
 use crate::rays::bvh::inverse;
 use crate::rays::frames::MOST_FRAMES;
 use crate::rays::lane::{LANES, Singles, fold, greater, lesser};
-use crate::rays::nearest::Nearest;
 use crate::rays::simd::fetch;
 use crate::rays::tree::{Boxes, WideNode};
 use glam::{DMat3, DVec3};

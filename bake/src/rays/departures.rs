@@ -8,7 +8,7 @@
 
 use crate::optics::{Incidence, Leaving, Rules, element};
 use crate::rays::accumulator::Accumulator;
-use crate::rays::bins::Bins;
+use crate::rays::accumulator::Bins;
 use crate::rays::lane::{LANES, Mask, Reals, UNITS, floor};
 use crate::rays::scene::Scene;
 use glam::{DMat3, DVec2, DVec3};

@@ -5,7 +5,7 @@
 //! bin, and nothing is sorted. Where there are many, the rays are listed.
 
 use crate::rays::accumulator::Accumulator;
-use crate::rays::bins::Bins;
+use crate::rays::accumulator::Bins;
 use crate::rays::lane::LANES;
 use crate::rays::program::Program;
 use std::collections::HashMap;

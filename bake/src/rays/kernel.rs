@@ -1,10 +1,12 @@
-//! Tracer of one direction: it takes every ray of a run from its sample to the accumulator.
+//! Tracer of one direction: it takes every ray of a run from its sample to the accumulator. And the
+//! sheet that it traces: one scene, or one scene for each kind of body of the cell.
 
+use crate::cell::Prepared;
 use crate::optics::{Incidence, Rules, element};
-use crate::rays::accumulator::Accumulator;
-use crate::rays::bins::Bins;
+use crate::rays::accumulator::{Accumulator, Bins};
 use crate::rays::bvh::Hierarchy;
 use crate::rays::departures::Departures;
+use crate::rays::entries::neighbours;
 use crate::rays::entries::{EntryPoint, SampleRange, entries};
 use crate::rays::exits::NumberedExits;
 use crate::rays::groups::{MOST_RAYS, RayGroup};
@@ -13,10 +15,8 @@ use crate::rays::lanes::Batch;
 use crate::rays::path::{Outcome, RandomNumbers, trace};
 use crate::rays::program::Program;
 use crate::rays::rough::{RoughBatch, RoughTracing};
-use crate::rays::scene::Scene;
-use crate::rays::sheet::Sheet;
+use crate::rays::scene::{Index, Scene};
 use crate::rays::simd::InstructionSet;
-use crate::rays::tiles::neighbours;
 use crate::samples::{Launch, Stream};
 use std::ops::Range;
 use std::sync::Arc;
@@ -410,6 +410,40 @@ impl Kernel {
             let back = element::straight_back(self.rules.element, outcome.travel);
             let deviation = direction.deviation(back, self.rules.refractive_index);
             accumulator.count_exit(&self.bins, grid, outcome.shift, deviation);
+        }
+    }
+}
+
+/// Scenes that rays are launched into, and the shares of the rays among them.
+pub(crate) struct Sheet {
+    /// All scenes; a ray meets facets of one scene only.
+    pub scenes: Vec<Arc<Scene>>,
+    /// Map from samples to entry points and the scenes that they belong to.
+    pub launch: Launch,
+}
+
+impl Sheet {
+    /// Makes the sheet of a cell, with a scene for each kind of body if there are kinds.
+    ///
+    /// [`Prepared::kinds`] says whether the cell is taken apart into bodies.
+    pub(crate) fn new(prepared: &Prepared, index: Index) -> Self {
+        let cell = prepared.cell();
+        let Ok(kinds) = prepared.kinds() else {
+            return Sheet {
+                scenes: vec![Arc::new(Scene::new(cell, index))],
+                launch: Launch::new(&cell.entrance),
+            };
+        };
+        let shares: Vec<_> = kinds
+            .iter()
+            .map(|kind| (&kind.entrance, kind.places.len()))
+            .collect();
+        Sheet {
+            launch: Launch::among(&shares),
+            scenes: kinds
+                .iter()
+                .map(|kind| Arc::new(Scene::of(&kind.facets, &kind.entrance, index)))
+                .collect(),
         }
     }
 }

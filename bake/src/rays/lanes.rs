@@ -14,14 +14,14 @@
 )]
 
 use crate::rays::accumulator::Accumulator;
-use crate::rays::bins::Bins;
-use crate::rays::drawn::order;
-use crate::rays::drawn::{chances, digits, points, sobol};
-use crate::rays::excerpt::Excerpt;
+use crate::rays::accumulator::Bins;
 use crate::rays::exits::{ExitCounts, NumberedExits};
+use crate::rays::lane::order;
 use crate::rays::lane::{LANES, Mask, Reals, choose};
+use crate::rays::lane::{chances, digits, points, sobol};
 use crate::rays::program::{DEPTH, End, Loss, Program, Step};
 use crate::rays::region::Affine;
+use crate::rays::scratch::Excerpt;
 use crate::rays::scratch::{Scratch, scatter};
 use crate::rays::simd::{InstructionSet, Task};
 use crate::samples::{Launch, Stream};

@@ -7,36 +7,31 @@
 //! unsafe code.
 
 mod accumulator;
-mod bins;
 mod block;
 mod bvh;
 mod coherent;
 mod departures;
-mod drawn;
 mod entries;
-mod excerpt;
 mod exits;
 mod frames;
 mod groups;
 mod kernel;
 mod lane;
 pub(crate) mod lanes;
-mod nearest;
 mod path;
 mod program;
 mod region;
 mod rough;
 mod scene;
 mod scratch;
-mod sheet;
 mod simd;
-mod tiles;
 mod tree;
 
+pub(crate) use accumulator::Bins;
 pub(crate) use accumulator::{Accumulator, Sums};
-pub(crate) use bins::Bins;
 pub(crate) use entries::SampleRange;
 pub(crate) use kernel::Kernel;
+pub(crate) use kernel::Sheet;
 pub use kernel::Tracer;
 #[cfg(test)]
 pub(crate) use lanes::Batch;
@@ -47,6 +42,5 @@ pub(crate) use program::{End, Program};
 pub(crate) use scene::Index;
 #[cfg(test)]
 pub(crate) use scene::{Event, Scene};
-pub(crate) use sheet::Sheet;
 #[cfg(test)]
 pub(crate) use simd::InstructionSet;

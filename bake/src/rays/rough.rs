@@ -17,8 +17,8 @@ use crate::optics::{
 };
 use crate::rays::accumulator::Accumulator;
 use crate::rays::departures::{Departure, Departures};
-use crate::rays::drawn::{digits, points};
 use crate::rays::lane::{LANES, Mask, Reals, choose};
+use crate::rays::lane::{digits, points};
 use crate::rays::lanes;
 use crate::rays::scene::Scene;
 use crate::rays::simd::Task;

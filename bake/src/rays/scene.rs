@@ -9,7 +9,7 @@
 use crate::cell::{PROGRAM_FACETS, SMALL};
 use crate::optics::{Ray, Triangle, triangle};
 use crate::rays::bvh::Hierarchy;
-use crate::rays::nearest::Nearest;
+use crate::rays::bvh::Nearest;
 use crate::rays::simd::fetch;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::{Cell, Entrance, Normals};

@@ -13,9 +13,8 @@ use crate::cell::ExactCell;
 use crate::error::Error;
 use crate::plan::default;
 use crate::run::bake::Bake;
-use crate::run::between::Between;
-use crate::run::progress::Progress;
-use crate::run::trial::{self, OPEN};
+use crate::run::bake::Progress;
+use crate::run::between::{Between, OPEN, error_at};
 use crate::samples::Stream;
 use rayon::prelude::*;
 use tables::cli::pool;
@@ -213,7 +212,7 @@ impl<'a> Search<'a> {
     fn errors(&self, table: &Table, probes: Vec<Probe>) -> Vec<(f64, Probe)> {
         let error = |probe: Probe| {
             let (incidence, azimuth) = (probe.incidence_deg, probe.azimuth_deg);
-            let found = trial::error(self.exact, &self.bake.rules, table, incidence, azimuth);
+            let found = error_at(self.exact, &self.bake.rules, table, incidence, azimuth);
             (found, probe)
         };
         probes.into_par_iter().map(error).collect()

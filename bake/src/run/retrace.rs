@@ -6,11 +6,11 @@ use crate::error::Error;
 use crate::optics::Backing;
 use crate::plan::{Plan, Request};
 use crate::run::bake::Bake;
+use crate::run::bake::Progress;
+use crate::run::bake::trace;
+use crate::run::between::error_at;
 use crate::run::comparison::Comparison;
-use crate::run::progress::Progress;
 use crate::run::provenance::{Stated, stated};
-use crate::run::trace::trace;
-use crate::run::trial;
 use crate::samples::{Stream, centred};
 use rayon::prelude::*;
 use tables::options::{Back, Losses, Method, Sampler};
@@ -119,7 +119,7 @@ pub fn error_between(table: &Table, prepared: &Prepared, seed: u64) -> Result<Op
             true => 360.0 * share(b),
             false => between(&axes.azimuth_deg, b),
         };
-        trial::error(exact, &bake.rules, table, incidence, azimuth)
+        error_at(exact, &bake.rules, table, incidence, azimuth)
     };
     Ok(Some(
         (0..TRIED)

@@ -5,7 +5,7 @@
 use crate::error::Error;
 use crate::rays::{Accumulator, Bins, Index, Kernel, SampleRange, Sheet, Sums};
 use crate::run::bake::Bake;
-use crate::run::progress::Progress;
+use crate::run::bake::Progress;
 use crate::samples::Stream;
 use ndarray::{Array4, Array5};
 use rayon::prelude::*;

@@ -5,10 +5,10 @@
 //! of its three edges. With the default edge length of 3, every coordinate of the ideal cells is an
 //! integer: exact in text and in f32.
 
-use crate::design::bead::Bead;
 use crate::design::corner::CornerFacets;
 use crate::design::curved;
-use crate::design::plate::Plate;
+use crate::design::elements::Bead;
+use crate::design::elements::Plate;
 use crate::files::write;
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::{Mesh, sha256};

@@ -3,7 +3,6 @@
 //! A path or bytes enter and a mesh leaves, with sizes bounded before memory is allocated; or a
 //! mesh enters and bytes leave.
 
-pub(crate) mod bounded;
 pub(crate) mod buffer;
 pub(crate) mod glb;
 pub mod gltf;

@@ -5,7 +5,7 @@ use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess};
 use ply_rs_bw::ply::{PropertyAccessResult, PropertyType, ScalarType};
 
-use crate::files::bounded::within;
+use crate::files::load::within;
 use crate::files::obj;
 use crate::mesh::digits::{Digits, single};
 use crate::mesh::error::Fault;

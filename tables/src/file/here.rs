@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::error::{BAKE_LESS, COPY_AGAIN, Error, NAME_A_TABLE};
 use crate::file::seal::Seal;
-use crate::file::{heap, layout, ledger, library, seal};
+use crate::file::{heap, layout, library, limits, seal};
 use crate::table::table::Table;
 
 /// Longest file that is read, bytes: the largest table within the memory limit, incompressible.
@@ -92,7 +92,7 @@ pub(crate) fn content(file: impl Read, bytes: u64, name: &Path) -> Result<Vec<u8
 /// content hash than they state.
 pub(crate) fn table(content: Vec<u8>, name: &Path) -> Result<Table, Error> {
     guard(&content, name)?;
-    ledger::confine(content.len() as u64);
+    limits::confine(content.len() as u64);
     let file = library::open(content).map_err(|error| Error::hdf5(name, "file", &error))?;
     let (table, stored) = layout::load(&file, name)?;
     let computed = table.content_hash();

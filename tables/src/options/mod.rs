@@ -6,16 +6,14 @@
 //! reads or makes these words. With the feature `cli` the types are values and options of a command
 //! line (clap).
 
-mod deviations;
-mod roughness;
 mod scene;
 mod stated;
 mod values;
 mod word;
 
-pub use deviations::Record;
-pub use roughness::{NoRoughness, Roughness, Slopes};
+pub use scene::Record;
 pub use scene::SceneOptions;
+pub use scene::{NoRoughness, Roughness, Slopes};
 pub use stated::StatedOptions;
 pub use values::{Back, Element, Front, Losses, Method, NormalsFrom, Sampler};
 pub use word::{Named, Word};

@@ -16,7 +16,7 @@ use ndarray::{ArrayD, Dimension, IxDyn};
 
 use crate::error::{BAKE_AGAIN, BAKE_LESS, Error};
 use crate::file::layout::names::{self, DimensionScale, MOST_BYTES, Variable};
-use crate::file::ledger::Ledger;
+use crate::file::limits::Ledger;
 use crate::table::axes::Axes;
 use crate::table::fate::Fate;
 
