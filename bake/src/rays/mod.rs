@@ -7,38 +7,27 @@
 //! unsafe code.
 
 mod accumulator;
-mod block;
-mod bvh;
-mod coherent;
 mod departures;
 mod entries;
-mod exits;
-mod frames;
-mod groups;
+mod hierarchy;
 mod kernel;
 mod lane;
-pub(crate) mod lanes;
 mod path;
-mod program;
-mod region;
+pub(crate) mod programs;
 mod rough;
 mod scene;
-mod scratch;
 mod simd;
-mod tree;
 
-pub(crate) use accumulator::Bins;
-pub(crate) use accumulator::{Accumulator, Sums};
+pub(crate) use accumulator::{Accumulator, Bins, Sums};
 pub(crate) use entries::SampleRange;
-pub(crate) use kernel::Kernel;
-pub(crate) use kernel::Sheet;
 pub use kernel::Tracer;
-#[cfg(test)]
-pub(crate) use lanes::Batch;
+pub(crate) use kernel::{Kernel, Sheet};
 #[cfg(test)]
 pub(crate) use path::{Outcome, RandomNumbers, trace};
 #[cfg(test)]
-pub(crate) use program::{End, Program};
+pub(crate) use programs::lanes::Batch;
+#[cfg(test)]
+pub(crate) use programs::program::{End, Program};
 pub(crate) use scene::Index;
 #[cfg(test)]
 pub(crate) use scene::{Event, Scene};

@@ -19,7 +19,7 @@ use crate::rays::accumulator::Accumulator;
 use crate::rays::departures::{Departure, Departures};
 use crate::rays::lane::{LANES, Mask, Reals, choose};
 use crate::rays::lane::{digits, points};
-use crate::rays::lanes;
+use crate::rays::programs::lanes;
 use crate::rays::scene::Scene;
 use crate::rays::simd::Task;
 use crate::samples::{Launch, Stream, philox};

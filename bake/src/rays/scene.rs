@@ -8,8 +8,8 @@
 
 use crate::cell::{PROGRAM_FACETS, SMALL};
 use crate::optics::{Ray, Triangle, triangle};
-use crate::rays::bvh::Hierarchy;
-use crate::rays::bvh::Nearest;
+use crate::rays::hierarchy::bvh::Hierarchy;
+use crate::rays::hierarchy::bvh::Nearest;
 use crate::rays::simd::fetch;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::{Cell, Entrance, Normals};

@@ -4,7 +4,8 @@
 
 use crate::error::Error;
 use crate::plan::{RAYS_PER_RANDOMISATION, Shard};
-use crate::rays::{Kernel, Sums, lanes};
+use crate::rays::programs::lanes;
+use crate::rays::{Kernel, Sums};
 use crate::run::ranks::Ranks;
 use crate::run::saves::Saves;
 use crate::run::work::{DirectionSums, Run, Work};

@@ -5,8 +5,6 @@
 
 mod azimuth;
 mod bakes;
-mod batches;
-mod bounces;
 mod cells;
 mod closed_form;
 mod curved;
@@ -15,11 +13,8 @@ mod deviations;
 mod elements;
 mod exact;
 mod hard_cases;
-mod index;
-mod kernels;
-mod leaks;
 mod ranks;
+mod rays;
 mod roughness;
 mod study;
-mod ten_million;
 mod trapped;

@@ -4,7 +4,7 @@ use crate::optics::Rules;
 use crate::rays::{Accumulator, Bins, Index, InstructionSet, Kernel, Scene, Sheet};
 use crate::samples::{Launch, Stream};
 use crate::tests::bakes::compare;
-use crate::tests::kernels::patch;
+use crate::tests::rays::kernels::patch;
 use crate::tests::{bakes, cells};
 use meshes::Cell;
 use std::sync::Arc;

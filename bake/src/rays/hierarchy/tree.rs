@@ -4,7 +4,7 @@
 //! variant is not used, because it has an absolute epsilon near surfaces.
 
 use crate::optics::Triangle;
-use crate::rays::block::{Block, SIDE_BY_SIDE};
+use crate::rays::hierarchy::block::{Block, SIDE_BY_SIDE};
 use glam::{DMat3, DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;

@@ -7,7 +7,7 @@
 use crate::rays::accumulator::Accumulator;
 use crate::rays::accumulator::Bins;
 use crate::rays::lane::LANES;
-use crate::rays::program::Program;
+use crate::rays::programs::program::Program;
 use std::collections::HashMap;
 use tables::deviation::{Entry, Grid};
 

@@ -7,7 +7,7 @@ use crate::optics::{Backing, Rules};
 use crate::rays::{Accumulator, Bins, Index, Kernel, Scene};
 use crate::samples::{Launch, Stream};
 use crate::tests::cells;
-use crate::tests::kernels::uneven;
+use crate::tests::rays::kernels::uneven;
 use meshes::Cell;
 use meshes::design::{Design, Shape};
 use std::sync::Arc;

@@ -15,14 +15,14 @@
 
 use crate::rays::accumulator::Accumulator;
 use crate::rays::accumulator::Bins;
-use crate::rays::exits::{ExitCounts, NumberedExits};
 use crate::rays::lane::order;
 use crate::rays::lane::{LANES, Mask, Reals, choose};
 use crate::rays::lane::{chances, digits, points, sobol};
-use crate::rays::program::{DEPTH, End, Loss, Program, Step};
-use crate::rays::region::Affine;
-use crate::rays::scratch::Excerpt;
-use crate::rays::scratch::{Scratch, scatter};
+use crate::rays::programs::exits::{ExitCounts, NumberedExits};
+use crate::rays::programs::program::{DEPTH, End, Loss, Program, Step};
+use crate::rays::programs::region::Affine;
+use crate::rays::programs::scratch::Excerpt;
+use crate::rays::programs::scratch::{Scratch, scatter};
 use crate::rays::simd::{InstructionSet, Task};
 use crate::samples::{Launch, Stream};
 use std::ops::Range;

@@ -23,7 +23,7 @@ use crate::optics::{
     BOUNCE_LIMIT, Incidence, PolarisedLight, Rules, Triangle, fate_of_leaving, reflect, reflection,
 };
 use crate::rays::accumulator::Bins;
-use crate::rays::region::{Affine, ROUNDING, Region, extent, needed, split};
+use crate::rays::programs::region::{Affine, ROUNDING, Region, extent, needed, split};
 use crate::rays::scene::Scene;
 use crate::samples::centres_below;
 use glam::{DMat3, DVec2, DVec3};

@@ -5,11 +5,11 @@
 //! over all facets finds, bit for bit (tested).
 
 use crate::optics::{Ray, Triangle};
-use crate::rays::block::{Block, Sight};
-use crate::rays::coherent::CoherentRays;
-use crate::rays::frames::{MOST_FRAMES, frames};
+use crate::rays::hierarchy::block::{Block, Sight};
+use crate::rays::hierarchy::coherent::CoherentRays;
+use crate::rays::hierarchy::frames::{MOST_FRAMES, frames};
+use crate::rays::hierarchy::tree::{BLOCK, Boxes, Space, Wide, WideNode, build};
 use crate::rays::simd::{InstructionSet, Task, fetch};
-use crate::rays::tree::{BLOCK, Boxes, Space, Wide, WideNode, build};
 use glam::{DMat3, DVec3, Vec4};
 
 /// Bounding volume hierarchy over a list of facets.

@@ -8,8 +8,8 @@
 //! it pass.
 
 use crate::optics::{Incidence, Rules};
-use crate::rays::bvh::Hierarchy;
-use crate::rays::coherent::CoherentRays;
+use crate::rays::hierarchy::bvh::Hierarchy;
+use crate::rays::hierarchy::coherent::CoherentRays;
 use crate::rays::lane::LANES;
 use crate::rays::path::{Outcome, RandomNumbers, RayPath};
 use crate::rays::scene::Scene;

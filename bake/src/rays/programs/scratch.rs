@@ -8,8 +8,8 @@
 
 use crate::rays::accumulator::Bins;
 use crate::rays::lane::{LANES, Mask, Reals, UNITS, floor};
-use crate::rays::program::{DEPTH, Program, Step};
-use crate::rays::region::{Affine, ROUNDING};
+use crate::rays::programs::program::{DEPTH, Program, Step};
+use crate::rays::programs::region::{Affine, ROUNDING};
 use glam::DVec2;
 use tables::Fate;
 

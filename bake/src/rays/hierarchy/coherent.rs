@@ -10,13 +10,13 @@
 )]
 
 use crate::optics::{Ray, Triangle};
-use crate::rays::block::{Block, Sight};
-use crate::rays::bvh::Nearest;
-use crate::rays::bvh::inverse;
-use crate::rays::frames::MOST_FRAMES;
+use crate::rays::hierarchy::block::{Block, Sight};
+use crate::rays::hierarchy::bvh::Nearest;
+use crate::rays::hierarchy::bvh::inverse;
+use crate::rays::hierarchy::frames::MOST_FRAMES;
+use crate::rays::hierarchy::tree::{Boxes, WideNode};
 use crate::rays::lane::{LANES, Singles, fold, greater, lesser};
 use crate::rays::simd::fetch;
-use crate::rays::tree::{Boxes, WideNode};
 use glam::{DMat3, DVec3};
 
 /// Up to [`LANES`] rays, and the nearest facet of each.
@@ -295,7 +295,7 @@ const MOST: f32 = 1e30;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rays::bvh::Hierarchy;
+    use crate::rays::hierarchy::bvh::Hierarchy;
 
     /// Rays of all directions, alike ones and single ones, from outside and from facets: each finds
     /// what a loop over all facets finds.
