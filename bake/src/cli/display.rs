@@ -1,18 +1,8 @@
 //! Progress bar of a bake or of a study, shown on a terminal only.
 
-use crate::plan::Effort;
 use crate::run::Bake;
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::io::IsTerminal;
-
-/// Returns the number of rays of a bake; `None` if it runs to a tolerance.
-pub(super) fn rays(bake: &Bake) -> Option<u64> {
-    let (incidences, azimuths) = bake.axes().shape();
-    match bake.plan.effort {
-        Effort::Rays(rays) => Some(rays.saturating_mul((incidences * azimuths) as u64)),
-        Effort::Tolerance(_) => None,
-    }
-}
 
 /// Progress bar on stderr, hidden where stderr is no terminal.
 pub(super) struct ProgressDisplay {
@@ -25,7 +15,7 @@ impl ProgressDisplay {
     /// The bar counts without being displayed if it is not `shown`.
     pub(super) fn new(bake: &Bake, shown: bool) -> Self {
         let bar = ProgressBar::no_length();
-        let template = match rays(bake) {
+        let template = match bake.all_rays() {
             Some(rays) => {
                 bar.set_length(rays);
                 "{bar:40} {human_pos}/{human_len} rays, {rate}, {eta} left"

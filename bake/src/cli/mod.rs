@@ -10,7 +10,6 @@ mod cli;
 mod compare;
 mod design;
 mod display;
-mod host;
 mod inspect;
 mod merge;
 mod report;

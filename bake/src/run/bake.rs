@@ -13,7 +13,9 @@ use crate::run::ranks::{Alone, Ranks};
 use crate::run::rounds::Rounds;
 use crate::run::saves::Saves;
 use crate::run::work::Work;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 use tables::cli::pool;
 use tables::options::{Method, Record, Sampler, SceneOptions};
 use tables::{Axes, Provenance, Symmetry, Table};
@@ -39,15 +41,57 @@ pub(crate) struct Bake<'a> {
     pub chosen: Option<Between>,
 }
 
+/// Table that was baked.
+pub(crate) struct Baked {
+    /// The table.
+    pub table: Table,
+    /// Time of the bake in seconds, without reading and writing.
+    pub seconds: f64,
+}
+
 impl Bake<'_> {
     /// Returns the bake with its rays traced by `tracer`.
     pub(crate) fn by(self, tracer: Tracer) -> Self {
         Bake { tracer, ..self }
     }
 
-    /// Returns the directions and bins of the table.
-    pub(crate) fn axes(&self) -> &Axes {
-        &self.axes
+    /// Returns the number of rays of the bake; `None` if it runs to a tolerance.
+    pub(crate) fn all_rays(&self) -> Option<u64> {
+        let (incidences, azimuths) = self.axes.shape();
+        match self.plan.effort {
+            Effort::Rays(rays) => Some(rays.saturating_mul((incidences * azimuths) as u64)),
+            Effort::Tolerance(_) => None,
+        }
+    }
+
+    /// Checks that this rank bakes what rank 0 bakes.
+    ///
+    /// A machine may hold another mesh under the same name, or another version of the program.
+    ///
+    /// # Errors
+    /// Returns an [`Error`] if version, plan, axes or provenance differ from those of rank 0.
+    pub(crate) fn is_that_of_all(&self, ranks: &dyn Ranks) -> Result<(), Error> {
+        let plan = Plan {
+            threads: None,
+            ..self.plan.clone()
+        };
+        let (axes, provenance) = (&self.axes, self.provenance(plan.method, None));
+        let mut hasher = DefaultHasher::new();
+        format!(
+            "{} {plan:?} {axes:?} {provenance:?}",
+            env!("CARGO_PKG_VERSION")
+        )
+        .hash(&mut hasher);
+        let mut first = [hasher.finish()];
+        ranks.follow(&mut first);
+        if first == [hasher.finish()] {
+            return Ok(());
+        }
+        let rank = ranks.number();
+        Err(Error::Failed(format!(
+            "rank {rank} has another mesh, other options or another version of bake than rank 0; give \
+            all ranks the same"
+        )))
     }
 
     /// Returns the provenance of a table that is made by `method` with `sampler`.
@@ -67,27 +111,19 @@ impl Bake<'_> {
 /// tolerance is out of reach, the exit directions take too much memory, or the caller stopped the
 /// bake.
 pub fn trace(prepared: &Prepared, plan: &Plan, progress: Progress<'_>) -> Result<Table, Error> {
-    Bake::new(prepared, plan)?.table(progress)
+    Bake::new(prepared, plan, progress)?.table(progress)
 }
 
 impl<'a> Bake<'a> {
     /// Decides on the method and the directions of a bake.
     ///
-    /// The choice of directions for a tolerance may take minutes.
+    /// The choice of directions for a tolerance may take minutes; the caller may stop it.
     ///
     /// # Errors
     /// Returns an [`Error`] if the plan asks for the exact method, a shard of its rays or a
     /// tolerance between directions and the method cannot give it, if that tolerance is out of
-    /// reach, or if the threads cannot be started.
-    pub(crate) fn new(prepared: &'a Prepared, plan: &'a Plan) -> Result<Self, Error> {
-        Bake::reporting(prepared, plan, Progress::none())
-    }
-
-    /// Decides as [`Bake::new`] does, and stops if the caller says so.
-    ///
-    /// # Errors
-    /// Returns the errors of [`Bake::new`], and [`Error::Stopped`].
-    pub(crate) fn reporting(
+    /// reach, if the threads cannot be started, or if the caller stopped the choice.
+    pub(crate) fn new(
         prepared: &'a Prepared,
         plan: &'a Plan,
         progress: Progress<'_>,
@@ -133,13 +169,10 @@ impl<'a> Bake<'a> {
     /// Bakes the table in this process alone.
     ///
     /// # Errors
-    /// Returns [`Error`] if the threads cannot be started, a tolerance is out of reach, the exit
-    /// directions take too much memory, or the caller stopped the bake.
+    /// Returns the errors of [`Bake::run`].
     pub(crate) fn table(&self, progress: Progress<'_>) -> Result<Table, Error> {
-        match self.exact {
-            Some(exact) => self.beams(exact, progress),
-            None => Ok(self.rays(progress, None, &Alone)?.table()),
-        }
+        let baked = self.run(progress, None, &Alone)?;
+        Ok(baked.ok_or(Error::Elsewhere)?.table)
     }
 
     /// Bakes the table together with `ranks`, and returns it in rank 0.
@@ -153,20 +186,23 @@ impl<'a> Bake<'a> {
     /// directions take too much memory, the saved state is that of another bake, or the caller
     /// stopped the bake. A tolerance and the saved state fail in rank 0 only. If one rank fails,
     /// the other ranks wait for it, so that it must end them.
-    pub(crate) fn table_from(
+    pub(crate) fn run(
         &self,
         progress: Progress<'_>,
         saves: Option<Saves<'_>>,
         ranks: &dyn Ranks,
-    ) -> Result<Option<Table>, Error> {
-        match self.exact {
+    ) -> Result<Option<Baked>, Error> {
+        let start = Instant::now();
+        let table = match self.exact {
             None => {
                 let work = self.rays(progress, saves, ranks)?;
-                Ok(ranks.leads().then(|| work.table()))
+                ranks.leads().then(|| work.table())
             }
-            Some(_) if !ranks.leads() => Ok(None),
-            Some(exact) => self.beams(exact, progress).map(Some),
-        }
+            Some(_) if !ranks.leads() => None,
+            Some(exact) => Some(self.beams(exact, progress)?),
+        };
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(table.map(|table| Baked { table, seconds }))
     }
 
     /// Traces all rays of the bake and returns the work with its sums.

@@ -165,7 +165,7 @@ mod tests {
         let prepared = Prepared::new(cell.expect("a cell"));
         let baked = |request: &Request| {
             let plan = Plan::new(request).expect("a valid request");
-            let bake = Bake::new(&prepared, &plan).expect("a bake");
+            let bake = Bake::new(&prepared, &plan, Progress::none()).expect("a bake");
             let table = bake.table(Progress::none()).expect("a table");
             let between = bake.between(&table);
             (table, between)

@@ -322,7 +322,7 @@ mod tests {
         let plan = Plan::new(&Request::default()).expect("a valid request");
         let prepared = Prepared::new(cell.expect("a cell"));
         let exact = prepared.exact().expect("planar");
-        let bake = Bake::new(&prepared, &plan).expect("a bake");
+        let bake = Bake::new(&prepared, &plan, Progress::none()).expect("a bake");
         let mut search = Search::new(&bake, exact, 0.02);
         search.incidences = (0..=MOST_DIRECTIONS).map(|k| 0.04 * k as f64).collect();
         search.azimuths = vec![0.0];

@@ -15,6 +15,7 @@ mod exits;
 mod paths;
 mod provenance;
 mod ranks;
+pub(crate) mod remarks;
 mod retrace;
 mod rounds;
 pub(crate) mod saves;
@@ -22,7 +23,7 @@ mod work;
 #[cfg(feature = "mpi")]
 mod world;
 
-pub(crate) use bake::Bake;
+pub(crate) use bake::{Bake, Baked};
 pub use bake::{Progress, trace};
 pub(crate) use between::Between;
 pub use claims::{Claims, Contradiction, Unchecked, claims};
@@ -31,6 +32,6 @@ pub use exits::ExitGap;
 pub use paths::{Forged, consistent};
 #[cfg(test)]
 pub(crate) use ranks::Alone;
-pub(crate) use ranks::{Launched, Ranks, start};
+pub(crate) use ranks::{Launched, Ranks, agreed, start};
 pub use retrace::{error_between, rebake, retrace};
 pub(crate) use saves::{SavedFile, Saves};

@@ -8,6 +8,8 @@
 #[cfg(feature = "mpi")]
 use crate::run::world::World;
 
+use crate::error::Error;
+
 /// Processes of one bake, seen from one of them.
 ///
 /// If one process calls a function that communicates, all processes must call it, in the same
@@ -41,6 +43,18 @@ pub(crate) trait Ranks {
         self.gather(&mut ranks);
         self.follow(&mut ranks);
         ranks.iter().position(|&failed| failed > 0)
+    }
+}
+
+/// Returns what this rank has prepared, if all ranks have succeeded.
+///
+/// # Errors
+/// Returns the rank's own failure in the lowest rank that failed, and [`Error::Elsewhere`] in all
+/// others, so that the failure is printed once.
+pub(crate) fn agreed<T>(ready: Result<T, Error>, ranks: &dyn Ranks) -> Result<T, Error> {
+    match ranks.first_of(ready.is_err()) {
+        Some(first) if first != ranks.number() => Err(Error::Elsewhere),
+        _ => ready,
     }
 }
 
@@ -90,6 +104,28 @@ impl Launched {
             let (number, count) = (number(rank)?, number(size)?);
             Some(Launched { number, count })
         })
+    }
+
+    /// Checks that a process that was started with others has joined them.
+    ///
+    /// # Errors
+    /// Returns [`Error::Usage`] in the first process if this program cannot join the others, and
+    /// [`Error::Elsewhere`] in the others.
+    pub(crate) fn check(launched: Option<Self>, ranks: &dyn Ranks) -> Result<(), Error> {
+        match launched {
+            Some(Launched { number: 0, count }) if ranks.count() == 1 && count > 1 => {
+                Err(Error::Usage(format!(
+                    "this is one of {count} processes of mpirun, but this bake was built without \
+                    the feature mpi, or for another MPI, so each process would do the whole bake; \
+                    build it with `cargo install --path bake --features mpi`, or give each process \
+                    its own --shard"
+                )))
+            }
+            Some(Launched { count, .. }) if ranks.count() == 1 && count > 1 => {
+                Err(Error::Elsewhere)
+            }
+            _ => Ok(()),
+        }
     }
 }
 

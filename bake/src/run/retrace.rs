@@ -100,7 +100,7 @@ pub fn error_between(table: &Table, prepared: &Prepared, seed: u64) -> Result<Op
     if !is_exact(&plan, prepared) {
         return Ok(Some(f64::INFINITY));
     }
-    let bake = Bake::new(prepared, &plan)?;
+    let bake = Bake::new(prepared, &plan, Progress::none())?;
     let Some(exact) = bake.exact else {
         return Ok(Some(f64::INFINITY));
     };

@@ -356,7 +356,7 @@ impl StudyPlan {
             let plan = self.plan(sampler, rays, repeat)?;
             let start = Instant::now();
             let prepared = Prepared::new(cell.clone());
-            let table = Bake::new(&prepared, &plan)?
+            let table = Bake::new(&prepared, &plan, Progress::none())?
                 .by(tracer)
                 .table(Progress::none())?;
             seconds.push(start.elapsed().as_secs_f64());

@@ -6,7 +6,7 @@ use crate::tests::cells;
 
 use crate::beams::spread;
 use crate::plan::{Plan, Request};
-use crate::run::Bake;
+use crate::run::{Bake, Progress};
 use crate::tests::bakes::bake;
 use meshes::Cell;
 use meshes::design::{Design, Shape};
@@ -416,7 +416,9 @@ fn a_jump_is_said() {
     };
     let plan = Plan::new(&request).unwrap();
     let prepared = bakes::prepared(&cell);
-    let error = Bake::new(&prepared, &plan).unwrap_err().to_string();
+    let error = Bake::new(&prepared, &plan, Progress::none())
+        .unwrap_err()
+        .to_string();
     assert!(
         error.contains("still") && error.contains("at incidence"),
         "{error}"
@@ -427,7 +429,7 @@ fn a_jump_is_said() {
         ..request
     };
     let plan = Plan::new(&request).unwrap();
-    let baked = Bake::new(&prepared, &plan).unwrap();
+    let baked = Bake::new(&prepared, &plan, Progress::none()).unwrap();
     assert_eq!(baked.symmetry, prepared.symmetry());
-    assert!(baked.axes().shape().0 <= 3, "{:?}", baked.axes());
+    assert!(baked.axes.shape().0 <= 3, "{:?}", baked.axes);
 }

@@ -35,7 +35,7 @@ pub(crate) fn rays_by(tracer: Tracer, cell: &Cell, plan: &Plan) -> Result<Table,
         ..plan.clone()
     };
     let prepared = prepared(cell);
-    Bake::new(&prepared, &plan)?
+    Bake::new(&prepared, &plan, Progress::none())?
         .by(tracer)
         .table(Progress::none())
 }

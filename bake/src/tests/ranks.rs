@@ -78,7 +78,9 @@ fn bake_from(
     ranks: &dyn Ranks,
 ) -> Result<Option<Table>, Error> {
     let prepared = bakes::prepared(cell);
-    Bake::new(&prepared, plan)?.table_from(Progress::none(), saves, ranks)
+    let progress = Progress::none();
+    let baked = Bake::new(&prepared, plan, progress)?.run(progress, saves, ranks)?;
+    Ok(baked.map(|baked| baked.table))
 }
 
 /// Makes a plan with one thread a rank.
