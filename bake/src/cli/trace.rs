@@ -225,7 +225,7 @@ fn jobs<'a>(
     let mut outputs = Outputs::beside([args.mesh.as_path()]);
     if leads {
         let plans: Vec<&Plan> = plans.iter().map(|(_, plan)| plan).collect();
-        warn(&remarks::of_plans(&args.request, prepared, &plans));
+        warn(remarks::of_plans(&args.request, prepared, &plans));
     }
     let mut jobs = Vec::new();
     for (file, plan) in plans {

@@ -305,7 +305,7 @@ impl Kernel {
         let hierarchies: Option<Vec<&Hierarchy>> = hierarchies.collect();
         match hierarchies {
             Some(hierarchies) if self.grouped => {
-                self.trace_groups(&hierarchies, parts, accumulators)
+                self.trace_groups(&hierarchies, parts, accumulators);
             }
             _ => self.trace_alone(parts, accumulators),
         }
