@@ -186,7 +186,7 @@ impl Follower<'_> {
     /// Returns the parts of a facet that light reaches: the facet less what other facets hide.
     fn lit_parts(&self, candidate: &Candidate, base: &[Shadow]) -> Vec<Polygon> {
         let view = self.view;
-        let mut parts = vec![candidate.seen.clone()];
+        let mut parts = vec![candidate.visible.clone()];
         let mut look = FIRST_LOOK;
         loop {
             let points: Vec<DVec3> = parts
@@ -361,7 +361,7 @@ impl Follower<'_> {
         let least = self.view.least_area;
         let mut visible = Vec::new();
         for (i, candidate) in candidates.iter().enumerate() {
-            let mut parts = vec![candidate.seen.clone()];
+            let mut parts = vec![candidate.visible.clone()];
             for (j, blocker) in candidates.iter().enumerate() {
                 if i == j || !blocker.may_hide(candidate) {
                     continue;

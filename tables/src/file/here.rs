@@ -24,14 +24,14 @@ pub(crate) fn here(path: &Path) -> Result<Table, Error> {
     table(content(file, bytes, path)?, path)
 }
 
-/// Reads a table from bytes that the program itself holds; `name` is for messages.
+/// Reads a table from bytes in memory; `name` is for messages.
 ///
 /// The HDF5 library reads them in this very process, so they must be no stranger's. They are
 /// checked as [`crate::read()`] checks a file.
 ///
 /// # Errors
 /// Returns an [`Error`] if a check fails.
-pub fn read_held(bytes: &[u8], name: &Path) -> Result<Table, Error> {
+pub fn read_in_memory(bytes: &[u8], name: &Path) -> Result<Table, Error> {
     table(bytes.to_vec(), name)
 }
 
