@@ -60,10 +60,9 @@ pub use otf::shift::ShiftLine;
 pub use otf::wave::{NoWaves, WaveLine};
 // Tables put together, and files:
 pub use file::apart;
-pub use file::here::read_in_memory;
 pub use file::layout::VERSION;
 pub use file::output::{Output, Outputs, commit, write};
 pub use file::partial::scratch_folder;
-pub use file::read::{is_sealed, read};
+pub use file::read::{is_sealed, read, read_in_memory};
 pub use file::reader;
 pub use merge::merge::merge;

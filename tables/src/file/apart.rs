@@ -17,7 +17,7 @@ use std::thread;
 use std::time::Duration;
 
 use crate::error::Error;
-use crate::file::here::{here, opened};
+use crate::file::read::{in_this_process, opened};
 use crate::file::reader::{OTHER_VERSION, Protection, TABLE, VERSION};
 use crate::file::{limits, received};
 use crate::table::table::Table;
@@ -100,7 +100,7 @@ pub fn read(path: &Path) -> Result<Reading, Error> {
     match PROGRAM.get() {
         Some(program) => ask(path, program),
         None => Ok(Reading {
-            table: here(path)?,
+            table: in_this_process(path)?,
             lacking: Protection::ALL.to_vec(),
         }),
     }

@@ -7,7 +7,6 @@
 pub mod apart;
 pub(crate) mod content;
 pub(crate) mod heap;
-pub(crate) mod here;
 pub(crate) mod layout;
 pub(crate) mod library;
 pub(crate) mod limits;
