@@ -362,6 +362,20 @@ impl Nearest {
 mod tests {
     use super::*;
 
+    /// Of two facets at one distance the lower index is met, in whichever order they are offered.
+    #[test]
+    fn of_two_facets_in_one_place_the_lower_number_is_met() {
+        let facet = Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]).expect("it has an area");
+        let ray = Ray::new(DVec3::new(0.2, 0.2, 1.0), DVec3::NEG_Z, 1.0);
+        for order in [[3, 7], [7, 3]] {
+            let mut nearest = Nearest::within(f64::INFINITY);
+            for index in order {
+                nearest.offer(index, &facet, &ray);
+            }
+            assert_eq!((nearest.facet, nearest.distance), (Some(3), 1.0));
+        }
+    }
+
     /// Rays from ten million radii away meet what a loop over all facets says. Counted from there,
     /// a position in f32 would be off by half a radius. In f64 it is off by 1e-9 radii, for both
     /// alike, and the boxes are padded by more.
