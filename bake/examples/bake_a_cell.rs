@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p bake --example bake_a_cell`
 
-use bake::{Plan, Prepared, Request, Watch, trace};
+use bake::{Plan, Prepared, Progress, Request, trace};
 use meshes::CellOptions;
 use meshes::design::{Design, Shape};
 use std::error::Error;
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for warning in plan.warnings(&prepared) {
         eprintln!("warning: {warning}");
     }
-    let table = trace(&prepared, &plan, Watch::none())?;
+    let table = trace(&prepared, &plan, Progress::none())?;
     println!("incidence  retroreflected");
     for (incidence, eta) in table.axes.incidence_deg.iter().zip(&table.retroreflected) {
         println!("{incidence:6} deg  {eta:.4}");

@@ -4,7 +4,7 @@
 //!
 //! `cargo run --release -p bake --example own_mesh -- cell.obj`
 
-use bake::{Error, Plan, Prepared, Request, Watch, retrace, trace};
+use bake::{Error, Plan, Prepared, Progress, Request, retrace, trace};
 use meshes::CellOptions;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         eprint!("\r{done} rays");
         stop.store(start.elapsed() > Duration::from_secs(10), Ordering::Relaxed);
     };
-    let table = match trace(&prepared, &plan, Watch::new(&told).stopped_by(&stop)) {
+    let table = match trace(&prepared, &plan, Progress::new(&told).stopped_by(&stop)) {
         Err(Error::Stopped) => return Err("ten seconds were not enough".into()),
         table => table?,
     };
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (incidence, eta) in table.axes.incidence_deg.iter().zip(&table.retroreflected) {
         println!("{incidence:4} deg  eta {eta:.4}");
     }
-    let comparison = retrace(&table, &prepared, 1 << 18, 2, Watch::none())?;
+    let comparison = retrace(&table, &prepared, 1 << 18, 2, Progress::none())?;
     println!(
         "other rays {}",
         if comparison.agrees() {

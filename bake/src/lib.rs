@@ -8,7 +8,7 @@
 //! facets are planes, by rays otherwise.
 //!
 //! ```
-//! use bake::{Plan, Prepared, Request, Watch, trace};
+//! use bake::{Plan, Prepared, Request, Progress, trace};
 //! use meshes::design::{Design, Shape};
 //!
 //! let mesh = Design::new(Shape::TriangularPair).mesh()?;
@@ -19,7 +19,7 @@
 //!     refractive_index: Some(1.49),
 //!     ..Request::default()
 //! })?;
-//! let table = trace(&prepared, &plan, Watch::none())?;
+//! let table = trace(&prepared, &plan, Progress::none())?;
 //! // eta, the retroreflected share: two thirds of a cube's triangle at normal incidence.
 //! assert!((table.retroreflected[[0, 0]] - 2.0 / 3.0).abs() < 1e-12);
 //! assert!(table.retroreflected[[1, 0]] < table.retroreflected[[0, 0]]);
@@ -33,7 +33,7 @@
 //! a [`Request`] and in the axes of a table. Probabilities are per launched ray. The ray shift is
 //! p' - p in the entrance plane, with the axes u along the direction of travel and v = n x u.
 //!
-//! # Rooms
+//! # Modules
 //!
 //! Each folder imports only the folders before it in this list:
 //!
@@ -71,14 +71,14 @@ pub use optics::{metal, refractive_index};
 pub use plan::Plan;
 pub use plan::Request;
 pub use rays::Tracer;
-pub use run::Watch;
+pub use run::Progress;
 pub use run::trace;
 pub use run::{Claims, Contradiction, Unchecked, claims};
-pub use run::{Comparison, ExitGap, Row};
+pub use run::{Comparison, Difference, ExitGap};
 pub use run::{Forged, consistent};
 pub use run::{error_between, rebake, retrace};
-pub use study::{Point, Reference, Series, Study, StudyPlan, StudyRequest};
 pub use study::{Reached, Slope};
+pub use study::{Reference, Series, Study, StudyPlan, StudyPoint, StudyRequest};
 
 #[cfg(test)]
 mod tests;

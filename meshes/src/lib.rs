@@ -17,7 +17,7 @@
 #![forbid(unsafe_code)]
 #![warn(unreachable_pub)]
 
-// The rooms, ground first: each imports only those before it.
+// Each module imports only those before it.
 mod cell;
 pub mod design;
 mod files;

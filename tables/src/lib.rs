@@ -26,7 +26,7 @@
 #![deny(unsafe_code)]
 #![warn(unreachable_pub)]
 
-// The rooms, ground first: each imports only those before it.
+// Each module imports only those before it.
 #[cfg(feature = "cli")]
 pub mod cli;
 mod error;
@@ -60,11 +60,9 @@ pub use otf::shift::ShiftLine;
 pub use otf::wave::{NoWaves, WaveLine};
 // Tables put together, and files:
 pub use file::apart;
-pub use file::here::read_held;
 pub use file::layout::VERSION;
-pub use file::output::{Output, Outputs};
+pub use file::output::{Output, Outputs, commit, write};
 pub use file::partial::scratch_folder;
-pub use file::read::{is_sealed, read};
+pub use file::read::{is_sealed, read, read_in_memory};
 pub use file::reader;
-pub use file::write::{commit, write};
 pub use merge::merge::merge;

@@ -1,7 +1,7 @@
 //! Cells that are measured, and bakes of them on one thread.
 #![allow(dead_code, reason = "each benchmark takes what it needs")]
 
-use bake::{Plan, Prepared, Request, Watch, trace};
+use bake::{Plan, Prepared, Progress, Request, trace};
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh};
 use std::path::Path;
@@ -23,7 +23,7 @@ pub(crate) fn request() -> Request {
 /// Bakes the table of a dissected cell.
 pub(crate) fn bake(cell: &Prepared, request: &Request) -> Table {
     let plan = Plan::new(request).expect("a valid request");
-    trace(cell, &plan, Watch::none()).expect("bakes")
+    trace(cell, &plan, Progress::none()).expect("bakes")
 }
 
 pub(crate) fn design(shape: Shape) -> Cell {

@@ -9,11 +9,11 @@ use glam::{DMat2, DVec2, DVec3};
 use tables::Fate;
 
 use crate::beams::candidate::Candidate;
-use crate::beams::parts::{bounds_of_all, total_area, without};
+use crate::beams::exact::{bounds_of_all, total_area, without};
 use crate::beams::view::{Depth, Flight, Isometry, Shadow, View};
 use crate::geometry::{Polygon, polygon};
 use crate::optics::mirror;
-use crate::optics::{LEAST_POWER, Light, PASSES, Rules, element, fate_of_leaving};
+use crate::optics::{LEAST_POWER, PASSES, PolarisedLight, Rules, element, fate_of_leaving};
 
 /// First distance within which a beam looks for lattice copies, edge lengths. If it is too short,
 /// the beam looks four times further, again and again.
@@ -40,7 +40,7 @@ pub(crate) struct LitPiece {
     /// Share of the launched power that is retroreflected.
     pub weight: f64,
     /// Fields of the light inside the front face; `None` without losses.
-    pub light: Option<Light>,
+    pub light: Option<PolarisedLight>,
     /// Deviation of the light, as in [`tables::Path::deviation`].
     pub deviation: DVec2,
     /// Number of times that the front face has sent the light back.
@@ -67,7 +67,7 @@ struct BeamCourse {
     /// Number of times that the front face has sent the light back.
     passes: u32,
     /// Polarised light of the path, or `None` without losses.
-    light: Option<Light>,
+    light: Option<PolarisedLight>,
 }
 
 impl BeamCourse {
@@ -147,7 +147,7 @@ impl Follower<'_> {
             light: self
                 .rules
                 .losses
-                .map(|_| Light::entered(view.direction, index)),
+                .map(|_| PolarisedLight::entered(view.direction, index)),
         };
         let power = course.power();
         self.settle(view.entrance_area * (1.0 - power), Fate::Absorbed);
@@ -155,13 +155,14 @@ impl Follower<'_> {
         let base = view.shadows(&course.isometry);
         let periodic = view.lattice.is_some();
         for shadow in &base {
-            let doors: &[Polygon] = if periodic {
+            let openings: &[Polygon] = if periodic {
                 std::slice::from_ref(&shadow.outline)
             } else {
-                &view.doors
+                &view.openings
             };
-            for door in doors {
-                let Some(candidate) = Candidate::new(shadow.clone(), door, None, view.least_area)
+            for opening in openings {
+                let Some(candidate) =
+                    Candidate::new(shadow.clone(), opening, None, view.least_area)
                 else {
                     continue;
                 };
@@ -185,7 +186,7 @@ impl Follower<'_> {
     /// Returns the parts of a facet that light reaches: the facet less what other facets hide.
     fn lit_parts(&self, candidate: &Candidate, base: &[Shadow]) -> Vec<Polygon> {
         let view = self.view;
-        let mut parts = vec![candidate.seen.clone()];
+        let mut parts = vec![candidate.visible.clone()];
         let mut look = FIRST_LOOK;
         loop {
             let points: Vec<DVec3> = parts
@@ -360,7 +361,7 @@ impl Follower<'_> {
         let least = self.view.least_area;
         let mut visible = Vec::new();
         for (i, candidate) in candidates.iter().enumerate() {
-            let mut parts = vec![candidate.seen.clone()];
+            let mut parts = vec![candidate.visible.clone()];
             for (j, blocker) in candidates.iter().enumerate() {
                 if i == j || !blocker.may_hide(candidate) {
                     continue;

@@ -10,10 +10,10 @@ use crate::geometry::{HalfPlane, Polygon, polygon};
 pub(crate) struct Candidate {
     pub shadow: Shadow,
     /// Outline of the shadow within the beam, in entry points.
-    pub seen: Polygon,
-    /// Least depth over `seen`, edge lengths.
+    pub visible: Polygon,
+    /// Least depth over `visible`, edge lengths.
     pub near: f64,
-    /// Greatest depth over `seen`, edge lengths.
+    /// Greatest depth over `visible`, edge lengths.
     pub far: f64,
 }
 
@@ -33,18 +33,18 @@ impl Candidate {
             return None;
         }
         let behind = start.map(|start| start.at_most(&shadow.depth, shadow.slack));
-        let seen = polygon::clip(polygon, polygon::edges(&shadow.outline).chain(behind));
-        if polygon::area(&seen) <= least {
+        let visible = polygon::clip(polygon, polygon::edges(&shadow.outline).chain(behind));
+        if polygon::area(&visible) <= least {
             return None;
         }
-        let depths = || seen.iter().map(|&p| shadow.depth.at(p));
+        let depths = || visible.iter().map(|&p| shadow.depth.at(p));
         let (near, far) = (
             depths().fold(f64::INFINITY, f64::min),
             depths().fold(f64::NEG_INFINITY, f64::max),
         );
         Some(Candidate {
             shadow,
-            seen,
+            visible,
             near,
             far,
         })
@@ -53,8 +53,10 @@ impl Candidate {
     /// Returns whether this facet may hide a part of `other`: they may overlap, and some of this
     /// facet is nearer than some of `other`.
     pub(crate) fn may_hide(&self, other: &Candidate) -> bool {
-        let ((low, high), (other_low, other_high)) =
-            (polygon::bounds(&self.seen), polygon::bounds(&other.seen));
+        let ((low, high), (other_low, other_high)) = (
+            polygon::bounds(&self.visible),
+            polygon::bounds(&other.visible),
+        );
         self.near < other.far + 1e-12 && low.cmplt(other_high).all() && other_low.cmplt(high).all()
     }
 

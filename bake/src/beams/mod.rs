@@ -1,15 +1,13 @@
 //! Light as polygons: the exact distribution of the ray shifts of cells with planar facets.
 //!
 //! A [`crate::cell::ExactCell`], the rules and directions enter. Polygons with their maps, their
-//! fates and exact bins leave. This room may touch `cell`, `optics` and `geometry`. It takes no
-//! samples.
+//! fates and exact bins leave. No samples are taken.
 
 mod beam;
 mod bins;
 mod candidate;
 pub(crate) mod exact;
 mod mean;
-mod parts;
 mod paths;
 mod view;
 

@@ -10,7 +10,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use crate::cell::{Body, Facet};
+use crate::cell::{Body, PlanarFacet};
 use crate::geometry::{HalfPlane, Polygon, polygon};
 use crate::optics::{EDGE_ON, Incidence};
 
@@ -202,11 +202,11 @@ pub(crate) struct View {
     /// Travel direction inside the front face, unit length.
     pub direction: DVec3,
     /// Facets in the frame of the light.
-    pub facets: Vec<Facet>,
+    pub facets: Vec<PlanarFacet>,
     /// Lattice vectors in the frame of the light, or `None` for a body without neighbours.
     pub lattice: Option<[DVec2; 2]>,
     /// Openings that light enters by, in convex parts. They are not used if there is a lattice.
-    pub doors: Vec<Polygon>,
+    pub openings: Vec<Polygon>,
     /// Area of the entrance, square edge lengths.
     pub entrance_area: f64,
     /// Height of the entrance plane, edge lengths.
@@ -226,7 +226,7 @@ impl View {
         // v.
         let (sin, cos) = (light.travel.truncate().dot(light.u), -light.travel.z);
         let turn = |p: DVec2| light.to_frame(p);
-        let facets: Vec<Facet> = body.facets.iter().map(|f| f.turned(light)).collect();
+        let facets: Vec<PlanarFacet> = body.facets.iter().map(|f| f.turned(light)).collect();
         let height = body.height;
         let floor = facets
             .iter()
@@ -239,10 +239,10 @@ impl View {
         View {
             direction: DVec3::new(sin, 0.0, -cos),
             lattice: body.lattice.map(|[a, b]| [turn(a), turn(b)]),
-            doors: body
-                .doors
+            openings: body
+                .openings
                 .iter()
-                .map(|door| door.iter().map(|&p| turn(p)).collect())
+                .map(|opening| opening.iter().map(|&p| turn(p)).collect())
                 .collect(),
             entrance_area: body.entrance_area,
             height,

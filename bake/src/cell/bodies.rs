@@ -20,7 +20,7 @@
 //! Two vertices are one vertex if their coordinates are equal to the last bit, as they are in a
 //! file that gives them the same digits.
 
-use crate::cell::limits::PROGRAM_FACETS;
+use crate::cell::prepared::PROGRAM_FACETS;
 use glam::{DVec2, DVec3};
 use meshes::{Cell, Entrance};
 use std::collections::HashMap;

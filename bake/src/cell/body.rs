@@ -1,11 +1,11 @@
-//! A cell, or one of the bodies that it falls into, prepared for the exact bake.
+//! Planar facets of a cell, or of one of the bodies that it falls into, prepared for the exact bake.
 
-use glam::DVec2;
-
-use crate::cell::part::Part;
-use crate::cell::planes::Facet;
-use crate::cell::rim;
+use crate::cell::bodies::Kind;
+use crate::cell::planes::PlanarFacet;
+use crate::cell::{planes, rim};
 use crate::geometry::{Polygon, polygon};
+use glam::DVec2;
+use meshes::{Cell, Entrance};
 
 /// Largest share of a period that facets may leave open without showing their backs. Through a
 /// wider gap light comes through and meets the backs.
@@ -15,20 +15,20 @@ const OPEN: f64 = 1e-9;
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
     /// Planar facets. For a lattice with gaps they include the backs.
-    pub facets: Vec<Facet>,
-    /// Lattice vectors, edge lengths. They are `None` without a lattice and for a lattice of pits,
-    /// which do not see each other.
+    pub facets: Vec<PlanarFacet>,
+    /// Lattice vectors, edge lengths. They are `None` without a lattice and for a lattice of
+    /// recesses, which do not see each other.
     pub lattice: Option<[DVec2; 2]>,
     /// Convex parts of the openings.
-    pub doors: Vec<Polygon>,
+    pub openings: Vec<Polygon>,
     /// Area of the entrance, square edge lengths.
     pub entrance_area: f64,
     /// Height of the entrance plane, edge lengths.
     pub height: f64,
     /// Frequency of the body, relative to the most frequent body of the cell.
     pub weight: f64,
-    /// One period of the whole sheet, for light that crosses from pit to pit; `None` if this body
-    /// is that, or if there is no sheet.
+    /// One period of the whole sheet, for light that crosses from recess to recess; `None` if this
+    /// body is that, or if there is no sheet.
     pub sheet: Option<Box<Body>>,
 }
 
@@ -37,31 +37,31 @@ impl Body {
     pub(crate) fn new(part: &Part, weight: f64) -> Self {
         let entrance = &part.entrance;
         let entrance_area = polygon::area(&entrance.polygon);
-        let pits = entrance
+        let recesses = entrance
             .lattice
             .and_then(|_| rim::openings(&part.facets, entrance.height, entrance_area));
-        let sheet = pits.as_ref().map(|_| Body::open(part, weight, None));
+        let sheet = recesses.as_ref().map(|_| Body::open(part, weight, None));
         Body {
             sheet: sheet.map(Box::new),
-            ..Body::open(part, weight, pits)
+            ..Body::open(part, weight, recesses)
         }
     }
 
-    /// Makes the body with `pits` for openings or, without them, with all that its lattice has.
-    fn open(part: &Part, weight: f64, pits: Option<Vec<Polygon>>) -> Self {
+    /// Makes the body with `recesses` for openings or, without them, with all that its lattice has.
+    fn open(part: &Part, weight: f64, recesses: Option<Vec<Polygon>>) -> Self {
         let (mut facets, entrance) = (part.facets.clone(), &part.entrance);
         let entrance_area = polygon::area(&entrance.polygon);
-        let lattice = entrance.lattice.filter(|_| pits.is_none());
+        let lattice = entrance.lattice.filter(|_| recesses.is_none());
         let covered: f64 = facets.iter().map(|facet| facet.area_from_above()).sum();
         if lattice.is_some() && covered < (1.0 - OPEN) * entrance_area {
-            let backs: Vec<Facet> = facets.iter().map(Facet::back).collect();
+            let backs: Vec<PlanarFacet> = facets.iter().map(PlanarFacet::back).collect();
             facets.extend(backs);
         }
-        let openings = pits.unwrap_or_else(|| vec![entrance.polygon.clone()]);
+        let openings = recesses.unwrap_or_else(|| vec![entrance.polygon.clone()]);
         Body {
             facets,
             lattice,
-            doors: openings
+            openings: openings
                 .iter()
                 .flat_map(|opening| polygon::convex_parts(opening))
                 .collect(),
@@ -69,6 +69,37 @@ impl Body {
             height: entrance.height,
             weight,
             sheet: None,
+        }
+    }
+}
+
+/// Planar facets under one entrance.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Part {
+    /// Planar facets, with coplanar neighbours joined.
+    pub facets: Vec<PlanarFacet>,
+    /// The entrance that light enters by.
+    pub entrance: Entrance,
+    /// Number of copies of the part in the cell.
+    pub copies: usize,
+}
+
+impl Part {
+    /// Joins the facets of one body of `kind`.
+    pub(crate) fn of(kind: &Kind) -> Self {
+        Part {
+            facets: planes::join(&kind.facets),
+            entrance: kind.entrance.clone(),
+            copies: kind.places.len(),
+        }
+    }
+
+    /// Joins the facets of the whole cell.
+    pub(crate) fn whole(cell: &Cell) -> Self {
+        Part {
+            facets: planes::join(&cell.facets),
+            entrance: cell.entrance.clone(),
+            copies: 1,
         }
     }
 }

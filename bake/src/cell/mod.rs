@@ -1,13 +1,11 @@
 //! The facts of a mesh that matter to light, each found once: its bodies, its planar facets and
 //! their openings, its symmetry.
 //!
-//! A [`meshes::Cell`] enters. A [`prepared::Prepared`] leaves, and every room above asks it instead
-//! of the mesh. This room may touch `geometry` and `optics`. It knows no direction of incidence.
+//! A [`meshes::Cell`] enters. A [`prepared::Prepared`] leaves, which all modules above ask instead
+//! of the mesh. It knows no direction of incidence.
 
 mod bodies;
 mod body;
-mod limits;
-mod part;
 mod planar;
 mod planes;
 mod prepared;
@@ -18,8 +16,8 @@ mod symmetry;
 pub(crate) use bodies::Kind;
 pub(crate) use bodies::Whole;
 pub(crate) use body::Body;
-pub(crate) use limits::{MEAN_ERROR, PROGRAM_FACETS, SMALL};
 pub(crate) use planar::ExactCell;
 pub(crate) use planar::NO_PLANES;
-pub(crate) use planes::Facet;
+pub(crate) use planes::PlanarFacet;
 pub use prepared::Prepared;
+pub(crate) use prepared::{MEAN_ERROR, PROGRAM_FACETS, SMALL};

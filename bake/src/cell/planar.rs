@@ -3,8 +3,8 @@
 //! The form is the planar facets and the openings of the bodies of the cell.
 
 use crate::cell::body::Body;
-use crate::cell::limits::{MOST_FACETS, MOST_FACETS_OF_BODY};
-use crate::cell::part::Part;
+use crate::cell::body::Part;
+use crate::cell::prepared::{MOST_FACETS, MOST_FACETS_OF_BODY};
 
 /// What an option does that the exact method cannot bake, behind its name.
 pub(crate) const NO_PLANES: &str = "leaves no plane mirrors, which the exact method needs";

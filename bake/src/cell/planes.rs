@@ -17,7 +17,7 @@ const COPLANAR: f64 = 1e-13;
 
 /// A convex planar mirror, cell frame, edge lengths.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Facet {
+pub(crate) struct PlanarFacet {
     /// Corners, counter-clockwise seen from the light.
     pub corners: Vec<DVec3>,
     /// Unit normal towards the light.
@@ -28,12 +28,12 @@ pub(crate) struct Facet {
     pub dark: bool,
 }
 
-impl Facet {
+impl PlanarFacet {
     /// Makes the facet of `corners`, or `None` if they have no area.
     fn new(corners: Vec<DVec3>) -> Option<Self> {
         let normal = triangle::normal(&corners)?;
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
-        Some(Facet {
+        Some(PlanarFacet {
             normal,
             offset: normal.dot(centre),
             corners,
@@ -42,8 +42,8 @@ impl Facet {
     }
 
     /// Returns the back of the facet, which light from behind meets.
-    pub(crate) fn back(&self) -> Facet {
-        Facet {
+    pub(crate) fn back(&self) -> PlanarFacet {
+        PlanarFacet {
             corners: self.corners.iter().rev().copied().collect(),
             normal: -self.normal,
             offset: -self.offset,
@@ -58,9 +58,9 @@ impl Facet {
     }
 
     /// Turns the facet into the frame of the light: x = u, y = v, z = n.
-    pub(crate) fn turned(&self, light: &Incidence) -> Facet {
+    pub(crate) fn turned(&self, light: &Incidence) -> PlanarFacet {
         let turn = |x: DVec3| light.to_frame(x.truncate()).extend(x.z);
-        Facet {
+        PlanarFacet {
             corners: self.corners.iter().map(|&x| turn(x)).collect(),
             normal: turn(self.normal),
             offset: self.offset,
@@ -86,9 +86,12 @@ impl Facet {
 
 /// Joins coplanar neighbours into facets, in the order of the triangles. Triangles without area are
 /// dropped.
-pub(crate) fn join(triangles: &[[DVec3; 3]]) -> Vec<Facet> {
-    let mut facets: Vec<Option<Facet>> = triangles.iter().map(|t| Facet::new(t.to_vec())).collect();
-    let mut owner: HashMap<[Key; 2], usize> = HashMap::new();
+pub(crate) fn join(triangles: &[[DVec3; 3]]) -> Vec<PlanarFacet> {
+    let mut facets: Vec<Option<PlanarFacet>> = triangles
+        .iter()
+        .map(|t| PlanarFacet::new(t.to_vec()))
+        .collect();
+    let mut owner: HashMap<[PositionBits; 2], usize> = HashMap::new();
     for (i, facet) in facets.iter().enumerate() {
         for edge in facet.iter().flat_map(|f| edge_keys(&f.corners)) {
             owner.insert(edge, i);
@@ -107,10 +110,10 @@ pub(crate) fn join(triangles: &[[DVec3; 3]]) -> Vec<Facet> {
 }
 
 fn neighbour_to_join(
-    facets: &[Option<Facet>],
-    owner: &HashMap<[Key; 2], usize>,
+    facets: &[Option<PlanarFacet>],
+    owner: &HashMap<[PositionBits; 2], usize>,
     i: usize,
-) -> Option<(usize, Facet)> {
+) -> Option<(usize, PlanarFacet)> {
     let facet = facets[i].as_ref()?;
     edge_keys(&facet.corners)
         .enumerate()
@@ -124,8 +127,13 @@ fn neighbour_to_join(
 
 /// Returns the union of two facets across the edge number `edge` of `facet`, or `None` if it is not
 /// planar and convex.
-fn join_at(facet: &Facet, edge: usize, other: &Facet, reversed: [Key; 2]) -> Option<Facet> {
-    let coplanar = |a: &Facet, b: &Facet| {
+fn join_at(
+    facet: &PlanarFacet,
+    edge: usize,
+    other: &PlanarFacet,
+    reversed: [PositionBits; 2],
+) -> Option<PlanarFacet> {
+    let coplanar = |a: &PlanarFacet, b: &PlanarFacet| {
         b.corners
             .iter()
             .all(|x| (a.normal.dot(*x) - a.offset).abs() <= COPLANAR)
@@ -147,21 +155,21 @@ fn join_at(facet: &Facet, edge: usize, other: &Facet, reversed: [Key; 2]) -> Opt
         corners.remove(spur.min(next));
     }
     (corners.len() >= 3)
-        .then(|| Facet::new(corners))
+        .then(|| PlanarFacet::new(corners))
         .flatten()
-        .filter(Facet::is_convex)
+        .filter(PlanarFacet::is_convex)
 }
 
 /// Returns the keys of both ends of each edge.
-pub(crate) fn edge_keys(corners: &[DVec3]) -> impl Iterator<Item = [Key; 2]> + '_ {
+pub(crate) fn edge_keys(corners: &[DVec3]) -> impl Iterator<Item = [PositionBits; 2]> + '_ {
     (0..corners.len()).map(|i| [key(corners[i]), key(corners[(i + 1) % corners.len()])])
 }
 
 /// The bits of a position.
-pub(crate) type Key = [u64; 3];
+pub(crate) type PositionBits = [u64; 3];
 
 /// Returns the bits of a position. Adding 0 turns -0 into 0, which is the same place.
-fn key(x: DVec3) -> Key {
+fn key(x: DVec3) -> PositionBits {
     (x + DVec3::ZERO).to_array().map(f64::to_bits)
 }
 

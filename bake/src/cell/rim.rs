@@ -1,13 +1,13 @@
-//! Pits: surfaces whose whole rim lies in the entrance plane.
+//! Recesses: surfaces whose whole rim lies in the entrance plane.
 //!
-//! Light that enters a pit leaves through the same opening, whatever the lattice around it. So a
-//! periodic cell of pits needs no neighbours, and grazing light needs no long search for them.
+//! Light that enters a recess leaves through the same opening, whatever the lattice around it. So a
+//! periodic cell of recesses needs no neighbours, and grazing light needs no long search for them.
 
 use std::collections::HashMap;
 
 use glam::DVec2;
 
-use crate::cell::planes::{Facet, Key, edge_keys};
+use crate::cell::planes::{PlanarFacet, PositionBits, edge_keys};
 use crate::geometry::{Polygon, polygon};
 
 /// Largest distance of a rim corner from the entrance plane, edge lengths. It allows for the
@@ -17,11 +17,15 @@ const IN_PLANE: f64 = 1e-12;
 /// counts as none.
 const SAME_AREA: f64 = 1e-9;
 
-/// Returns the openings of the pits in the plane z = `height`.
+/// Returns the openings of the recesses in the plane z = `height`.
 ///
 /// Returns `None` if the rim leaves that plane or the openings are not the whole entrance.
-pub(crate) fn openings(facets: &[Facet], height: f64, entrance_area: f64) -> Option<Vec<Polygon>> {
-    let mut edges: HashMap<[Key; 2], (DVec2, DVec2)> = HashMap::new();
+pub(crate) fn openings(
+    facets: &[PlanarFacet],
+    height: f64,
+    entrance_area: f64,
+) -> Option<Vec<Polygon>> {
+    let mut edges: HashMap<[PositionBits; 2], (DVec2, DVec2)> = HashMap::new();
     let mut order = Vec::new();
     for facet in facets {
         for (i, edge) in edge_keys(&facet.corners).enumerate() {
@@ -58,10 +62,10 @@ pub(crate) fn openings(facets: &[Facet], height: f64, entrance_area: f64) -> Opt
 /// Returns the closed loop that begins with the edge `first`, from `start` to `next`, and removes
 /// its edges from `edges`.
 fn follow(
-    first: [Key; 2],
+    first: [PositionBits; 2],
     start: DVec2,
     next: DVec2,
-    edges: &mut HashMap<[Key; 2], (DVec2, DVec2)>,
+    edges: &mut HashMap<[PositionBits; 2], (DVec2, DVec2)>,
 ) -> Polygon {
     let mut corners = vec![start, next];
     let mut at = first[1];
@@ -107,7 +111,7 @@ mod tests {
             join(&[0, 1, 2].map(|i| [DVec3::ZERO, frame(ends[i]), frame(ends[(i + 1) % 3])]))
         };
         let area = 3_f64.sqrt() / 2.0;
-        let found = openings(&facets(ends), 1.0, area).expect("a pit");
+        let found = openings(&facets(ends), 1.0, area).expect("a recess");
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].len(), 3);
         assert!(
@@ -120,7 +124,7 @@ mod tests {
         );
     }
 
-    /// Two triangular pits touch at a corner, in every direction from the origin and turned by
+    /// Two triangular recesses touch at a corner, in every direction from the origin and turned by
     /// every angle in steps of 15 degrees. Each keeps its own three sides.
     #[test]
     fn pits_that_touch_at_a_corner_stay_two() {
@@ -130,16 +134,22 @@ mod tests {
             for away in [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y] {
                 let place = |x: f64, y: f64| 3.0 * away + turn.rotate(DVec2::new(x, y));
                 let touching = place(0.0, 0.0);
-                let pits = [
+                let recesses = [
                     [place(1.0, -1.0), place(1.0, 1.0), touching],
                     [place(-1.0, 1.0), place(-1.0, -1.0), touching],
                 ];
-                let triangles = pits.iter().flat_map(|pit| {
-                    let bottom = ((pit[0] + pit[1] + pit[2]) / 3.0).extend(-1.0);
-                    [0, 1, 2].map(|i| [bottom, pit[i].extend(0.0), pit[(i + 1) % 3].extend(0.0)])
+                let triangles = recesses.iter().flat_map(|recess| {
+                    let bottom = ((recess[0] + recess[1] + recess[2]) / 3.0).extend(-1.0);
+                    [0, 1, 2].map(|i| {
+                        [
+                            bottom,
+                            recess[i].extend(0.0),
+                            recess[(i + 1) % 3].extend(0.0),
+                        ]
+                    })
                 });
                 let facets = join(&triangles.collect::<Vec<_>>());
-                let found = openings(&facets, 0.0, 2.0).expect("two pits");
+                let found = openings(&facets, 0.0, 2.0).expect("two recesses");
                 let corners: Vec<usize> = found.iter().map(Vec::len).collect();
                 assert_eq!(corners, [3, 3], "{step} {away}");
                 cases += 1;

@@ -9,8 +9,8 @@
 //! - A periodic cell is compared modulo its lattice.
 //! - Any other cell is compared as it is, with its rim.
 
-use crate::cell::part::Part;
-use crate::cell::planes::Facet;
+use crate::cell::body::Part;
+use crate::cell::planes::PlanarFacet;
 use glam::{DMat2, DVec2, DVec3};
 use tables::Symmetry;
 
@@ -100,7 +100,7 @@ fn mirrors_deg(forms: &[Form]) -> Vec<f64> {
 
 /// A part in the form that maps are tried on.
 struct Form<'a> {
-    facets: &'a [Facet],
+    facets: &'a [PlanarFacet],
     /// Corners of the rim, none if there is a lattice.
     rim: Vec<DVec3>,
     lattice: Option<DMat2>,

@@ -5,6 +5,7 @@
 
 use std::ffi::OsString;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use meshes::Mesh;
 use tables::Table;
@@ -13,8 +14,19 @@ use tables::cli::parsed;
 use crate::cli::{design, trace};
 use crate::error::Error;
 
-pub use crate::cli::host::Caller;
 pub use tables::cli::Refused;
+
+/// Caller of a bake: it is told the progress, and may stop the bake.
+#[derive(Clone, Copy)]
+pub struct Caller<'a> {
+    /// Function that is told how many rays are done, and how many there are in all; `None` if the
+    /// bake runs to a tolerance.
+    ///
+    /// The call may come from any thread.
+    pub told: &'a (dyn Fn(u64, Option<u64>) + Sync),
+    /// Flag that stops the bake.
+    pub stop: &'a AtomicBool,
+}
 
 impl From<Error> for Refused {
     fn from(error: Error) -> Refused {

@@ -188,7 +188,7 @@ fn parsed(
 pub fn main(arguments: impl IntoIterator<Item = OsString>, commit: Option<&str>) -> ExitCode {
     tables::apart::start();
     let launched = Launched::from(|name| std::env::var(name).ok());
-    let ranks = start::start(launched);
+    let ranks = start(launched);
     let cli = match parsed(arguments, commit) {
         Ok(cli) => cli,
         Err(_) if !ranks.leads() => return ExitCode::SUCCESS,

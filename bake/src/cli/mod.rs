@@ -1,9 +1,7 @@
 //! Command line of the program `bake`: one file for each verb, and what the verbs share.
 //!
-//! Words that a user typed enter. Text on stdout, warnings and a progress bar on stderr, and
-//! tables, meshes and pictures on the disk leave. Every error leaves as one sentence and an exit
-//! code. This room alone prints, reads a command line and chooses exit codes. It may touch every
-//! other room.
+//! This module alone prints, reads a command line and chooses exit codes. Results go to stdout,
+//! warnings and a progress bar to stderr. Every error is one sentence and an exit code.
 
 pub mod calls;
 mod cell;
@@ -11,10 +9,9 @@ mod cell;
 mod cli;
 mod compare;
 mod design;
-mod host;
+mod display;
 mod inspect;
 mod merge;
-mod progress;
 mod report;
 mod study;
 mod trace;

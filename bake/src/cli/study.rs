@@ -1,7 +1,7 @@
 //! `bake study`: reads its options, runs the study, and writes what it measured.
 
 use crate::cli::cell::CellArgs;
-use crate::cli::progress::Progress;
+use crate::cli::display::ProgressDisplay;
 use crate::error::Error;
 use crate::plan::heading;
 use crate::plan::{Request, default};
@@ -167,9 +167,9 @@ pub(crate) fn run(args: &StudyArgs) -> Result<(), Error> {
         .transpose()?;
     let cell = args.cell.load(&args.mesh, &SceneOptions::default())?;
     warn(&cell.warnings);
-    let progress = Progress::of_study();
-    let study = study.run(&cell, &|name, done, all| progress.step(name, done, all))?;
-    progress.finish();
+    let display = ProgressDisplay::of_study();
+    let study = study.run(&cell, &|name, done, all| display.step(name, done, all))?;
+    display.finish();
     if let Some(csv) = csv {
         csv.commit(report::csv(&study).as_bytes())?;
     }

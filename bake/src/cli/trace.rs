@@ -1,22 +1,20 @@
 //! `bake trace`: reads its options, bakes one table for each wavelength, and reports.
 
 use crate::cell::Prepared;
+use crate::cli::calls::Caller;
 use crate::cli::cell::CellArgs;
-use crate::cli::host::Caller;
-use crate::cli::progress::{self, Progress};
+use crate::cli::display::ProgressDisplay;
 use crate::cli::report;
 use crate::error::Error;
 use crate::optics::material;
 use crate::plan::{Plan, Request, heading};
-use crate::run::{Bake, Launched, Ranks, SavedFile, Saves, Watch, saves};
+use crate::run::{Bake, Launched, Progress, Ranks, SavedFile, Saves, agreed, remarks, saves};
 use clap::Args;
 use meshes::Mesh;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tables::cli::{fail, print, warn};
-use tables::options::{Method, Record};
 use tables::{Output, Outputs, Table};
 
 /// Options of `bake trace`.
@@ -142,23 +140,13 @@ pub(crate) fn run(
     ranks: &dyn Ranks,
     launched: Option<Launched>,
 ) -> Result<(), Error> {
-    if let Some(Launched { number, count }) = launched
-        && (ranks.count() == 1 && count > 1 && args.request.shard.is_none())
-    {
-        return Err(match number {
-            0 => Error::Usage(format!(
-                "this is one of {count} processes of mpirun, but this bake was built without the \
-                feature mpi, or for another MPI, so each process would do the whole bake; build it \
-                with `cargo install --path bake --features mpi`, or give each process its own \
-                --shard"
-            )),
-            _ => Error::Elsewhere,
-        });
+    if args.request.shard.is_none() {
+        Launched::check(launched, ranks)?;
     }
-    let (prepared, plans) = agreed(inputs(args), ranks)?;
+    let (prepared, plans) = agreed(inputs(args, None), ranks)?;
     let jobs = agreed(jobs(args, &prepared, &plans, ranks.leads()), ranks)?;
     for job in &jobs {
-        agreed(same_everywhere(&job.bake, ranks), ranks)?;
+        agreed(job.bake.is_that_of_all(ranks), ranks)?;
     }
     let mut said = Vec::new();
     for job in jobs {
@@ -179,20 +167,23 @@ pub(crate) fn run(
 type Planned = (PathBuf, Plan);
 
 /// Reads the mesh, and returns the dissected cell and one plan for each table.
-fn inputs(args: &TraceArgs) -> Result<(Prepared, Vec<Planned>), Error> {
+///
+/// A `mesh` in memory takes the place of the file.
+fn inputs(args: &TraceArgs, mesh: Option<&Mesh>) -> Result<(Prepared, Vec<Planned>), Error> {
     let plans = args
         .tables()?
         .into_iter()
         .map(|(file, nm)| Ok((file, Plan::new(&args.request(nm)?)?)))
         .collect::<Result<Vec<_>, Error>>()?;
-    let cell = args.cell.load(&args.mesh, &args.request.scene)?;
+    let cell = match mesh {
+        Some(mesh) => args.cell.of_mesh(mesh, &args.mesh, &args.request.scene)?,
+        None => args.cell.load(&args.mesh, &args.request.scene)?,
+    };
     Ok((Prepared::new(cell), plans))
 }
 
-/// Bakes the one table of `args` for another program; a `mesh` in memory takes the place of the
-/// file. Nothing is printed or written.
-///
-/// Returns the table and the warnings.
+/// Bakes the first table of `args` for another program, and returns it with the remarks. Nothing is
+/// printed or written.
 ///
 /// # Errors
 /// Fails as [`run`] does, and if the caller stopped the bake.
@@ -201,29 +192,15 @@ pub(super) fn called(
     mesh: Option<&Mesh>,
     caller: &Caller,
 ) -> Result<(Table, Vec<String>), Error> {
-    let wavelength_nm = args.tables()?.first().and_then(|(_, nm)| *nm);
-    let plan = Plan::new(&args.request(wavelength_nm)?)?;
-    let cell = match mesh {
-        Some(mesh) => args.cell.of_mesh(mesh, &args.mesh, &args.request.scene)?,
-        None => args.cell.load(&args.mesh, &args.request.scene)?,
-    };
-    let prepared = Prepared::new(cell);
-    let mut warnings = prepared.cell().warnings.clone();
-    warnings.extend(plan.warnings(&prepared));
-    warnings.extend(method_warning(args, &prepared, &plan));
-    let stopped = Watch::none().stopped_by(caller.stop);
-    let bake = Bake::watched(&prepared, &plan, stopped)?;
-    let (all, done) = (progress::rays(&bake), AtomicU64::new(0));
+    let (prepared, plans) = inputs(args, mesh)?;
+    let (_, plan) = plans.first().ok_or(Error::Elsewhere)?;
+    let mut remarks = remarks::of_plans(&args.request, &prepared, &[plan]);
+    let bake = Bake::new(&prepared, plan, Progress::none().stopped_by(caller.stop))?;
+    let (all, done) = (bake.all_rays(), AtomicU64::new(0));
     let told = |rays| (caller.told)(rays + done.fetch_add(rays, Ordering::Relaxed), all);
-    let table = bake.table(Watch::new(&told).stopped_by(caller.stop))?;
-    let report = report::Trace {
-        table: &table,
-        file: &args.output,
-        seconds: 0.0,
-        between: None,
-    };
-    warnings.extend(report.warnings());
-    Ok((table, warnings))
+    let table = bake.table(Progress::new(&told).stopped_by(caller.stop))?;
+    remarks.extend(remarks::of_table(&table));
+    Ok((table, remarks))
 }
 
 /// Table to be made: a bake whose options, mesh and output have been checked.
@@ -247,14 +224,8 @@ fn jobs<'a>(
 ) -> Result<Vec<Job<'a>>, Error> {
     let mut outputs = Outputs::beside([args.mesh.as_path()]);
     if leads {
-        warn(&prepared.cell().warnings);
-        let mut warnings: Vec<String> = plans
-            .iter()
-            .flat_map(|(_, plan)| plan.warnings(prepared))
-            .collect();
-        warnings.dedup();
-        warn(&warnings);
-        warn(method_warning(args, prepared, &plans[0].1));
+        let plans: Vec<&Plan> = plans.iter().map(|(_, plan)| plan).collect();
+        warn(remarks::of_plans(&args.request, prepared, &plans));
     }
     let mut jobs = Vec::new();
     for (file, plan) in plans {
@@ -265,7 +236,7 @@ fn jobs<'a>(
             output = Some(reserved);
         }
         jobs.push(Job {
-            bake: Bake::new(prepared, plan)?,
+            bake: Bake::new(prepared, plan, Progress::none())?,
             file,
             output,
             before,
@@ -280,7 +251,7 @@ impl Job<'_> {
     ///
     /// Returns `None` in a rank that does not write.
     fn run(self, args: &TraceArgs, ranks: &dyn Ranks) -> Result<Option<serde_json::Value>, Error> {
-        let progress = Progress::new(&self.bake, ranks.leads());
+        let display = ProgressDisplay::new(&self.bake, ranks.leads());
         // A table that is written through a link is saved where the link leads, as it is read.
         let reserved = self.output.as_ref().map(Output::path);
         let saved = SavedFile::of(reserved.unwrap_or(self.file));
@@ -289,84 +260,37 @@ impl Job<'_> {
         // and the failure is printed once.
         let mut save = |table: &Table| unsaved = unsaved.take().or(saved.write(table).err());
         let saves = Saves::new(self.before, args.save_every, &mut save);
-        let start = Instant::now();
-        let advance = |rays| progress.advance(rays);
-        let table = self
-            .bake
-            .table_from(Watch::new(&advance), Some(saves), ranks);
-        let seconds = start.elapsed().as_secs_f64();
-        progress.finish();
+        let advance = |rays| display.advance(rays);
+        let baked = self.bake.run(Progress::new(&advance), Some(saves), ranks);
+        display.finish();
         warn(Vec::from_iter(unsaved.map(|error| {
             format!("the bake could not be saved for --resume: {error}")
         })));
-        let table = match table {
+        let baked = match baked {
             // The other ranks wait for this one, so all of them are stopped.
             Err(failure) if ranks.count() > 1 => {
                 fail(&failure);
                 ranks.abort(failure.code());
                 return Err(Error::Elsewhere);
             }
-            table => table?,
+            baked => baked?,
         };
-        let (Some(table), Some(output)) = (table, self.output) else {
+        let (Some(baked), Some(output)) = (baked, self.output) else {
             return Ok(None);
         };
-        tables::commit(&table, output)?;
+        tables::commit(&baked.table, output)?;
         saved.remove();
         let report = report::Trace {
-            table: &table,
+            baked: &baked,
             file: self.file,
-            seconds,
-            between: self.bake.between(&table),
+            between: self.bake.between(&baked.table),
         };
-        warn(report.warnings());
+        warn(remarks::of_table(&baked.table));
         if !args.json {
             print(&report.text())?;
         }
         Ok(Some(report.json()))
     }
-}
-
-/// Returns what this rank has prepared, if all ranks have succeeded.
-///
-/// # Errors
-/// Returns the rank's own failure in the lowest rank that failed, and [`Error::Elsewhere`] in all
-/// others, so that the failure is printed once.
-fn agreed<T>(ready: Result<T, Error>, ranks: &dyn Ranks) -> Result<T, Error> {
-    match ranks.first_of(ready.is_err()) {
-        Some(first) if first != ranks.number() => Err(Error::Elsewhere),
-        _ => ready,
-    }
-}
-
-/// Checks that this rank bakes what rank 0 bakes.
-///
-/// A machine may hold another mesh under the same name, or another version of the program.
-///
-/// # Errors
-/// Returns an [`Error`] if version, plan, axes or provenance differ from those of rank 0.
-fn same_everywhere(bake: &Bake, ranks: &dyn Ranks) -> Result<(), Error> {
-    let plan = Plan {
-        threads: None,
-        ..bake.plan.clone()
-    };
-    let (axes, provenance) = (bake.axes(), bake.provenance(plan.method, None));
-    let mut hasher = DefaultHasher::new();
-    format!(
-        "{} {plan:?} {axes:?} {provenance:?}",
-        env!("CARGO_PKG_VERSION")
-    )
-    .hash(&mut hasher);
-    let mut first = [hasher.finish()];
-    ranks.follow(&mut first);
-    if first == [hasher.finish()] {
-        return Ok(());
-    }
-    let rank = ranks.number();
-    Err(Error::Failed(format!(
-        "rank {rank} has another mesh, other options or another version of bake than rank 0; give \
-        all ranks the same"
-    )))
 }
 
 /// Reads what an interrupted bake of the same table has saved, if `resume` asks for it.
@@ -384,30 +308,4 @@ fn saved_before(saved: &SavedFile, resume: bool) -> Result<Option<Table>, Error>
         )]);
     }
     Ok(None)
-}
-
-/// Returns a warning if the method that was chosen ignores other options, or is not the exact one.
-///
-/// The report names the method in any case.
-fn method_warning(args: &TraceArgs, prepared: &Prepared, plan: &Plan) -> Vec<String> {
-    let refusal = plan.exact_cell(prepared).err();
-    let asks_for_rays = args.request.rays.is_some() || args.request.tolerance.is_some();
-    match (args.request.method, refusal) {
-        (Method::Auto, Some(reason)) => vec![format!("--method auto traces rays: {reason}")],
-        (Method::Auto | Method::Exact, None)
-            if plan.scene.deviations != Record::Auto && !plan.is_azimuth_mean() =>
-        {
-            vec![
-                "the exact method records where each path goes, so --deviations has no effect; \
-                give --method rays to use it"
-                    .into(),
-            ]
-        }
-        (Method::Auto | Method::Exact, None) if asks_for_rays => vec![
-            "the exact method traces no rays: --rays and --tolerance have no effect; give \
-            --method rays to use them"
-                .into(),
-        ],
-        _ => Vec::new(),
-    }
 }

@@ -6,7 +6,7 @@ use crate::cli::cell::CellArgs;
 use crate::cli::report::comparison_text;
 use crate::error::Error;
 use crate::run::{
-    Claims, Comparison, Unchecked, Watch, claims, consistent, error_between, rebake, retrace,
+    Claims, Comparison, Progress, Unchecked, claims, consistent, error_between, rebake, retrace,
 };
 use clap::Args;
 use meshes::Cell;
@@ -278,13 +278,13 @@ fn judged(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<Judged, Error
     };
     let prepared = Prepared::new(cell);
     let seed = args.seed.unwrap_or_else(drawn);
-    let (rays, watch) = (args.rays, Watch::none());
-    let mut claims = claims(table, &prepared, rays, seed, watch).map_err(failed)?;
+    let (rays, progress) = (args.rays, Progress::none());
+    let mut claims = claims(table, &prepared, rays, seed, progress).map_err(failed)?;
     claims.unchecked.splice(0..0, own);
     Ok(Judged {
         seed,
-        rays: retrace(table, &prepared, rays, seed, watch).map_err(failed)?,
-        baked: rebake(table, &prepared, watch).map_err(failed)?,
+        rays: retrace(table, &prepared, rays, seed, progress).map_err(failed)?,
+        baked: rebake(table, &prepared, progress).map_err(failed)?,
         between: error_between(table, &prepared, seed).map_err(failed)?,
         stated: from.direction_tolerance,
         claims,

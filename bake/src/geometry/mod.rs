@@ -1,7 +1,4 @@
-//! Polygons of the plane: areas, clipping, differences, hulls.
-//!
-//! Corners enter. Polygons, areas or lists of convex parts leave, in the unit of the corners. This
-//! room is the ground and touches no other room.
+//! Polygons of the plane: areas, clipping, differences, hulls, in the unit of their corners.
 
 pub(crate) mod polygon;
 

@@ -8,7 +8,7 @@
 //! distance. Without this rule, cuts along shared edges would leave meaningless slivers.
 
 use glam::DVec2;
-use tables::polygon::{Met, walk};
+use tables::polygon::{Intersection, walk};
 
 /// The corners of a convex polygon, counter-clockwise. An empty list means that nothing is left.
 pub(crate) type Polygon = Vec<DVec2>;
@@ -125,7 +125,7 @@ fn cut(
         polygon,
         |p| plane.value(p),
         |met| match met {
-            Met::Crossing([before, here]) => {
+            Intersection::Crossing([before, here]) => {
                 // The crossing is computed from the inside corner outwards, so that both neighbours
                 // of an edge get the same bits.
                 let ((from, at), (to, far)) = if here.1 < 0.0 {
@@ -139,7 +139,7 @@ fn cut(
                     out.push(crossing);
                 }
             }
-            Met::Corner(corner, value) => {
+            Intersection::Corner(corner, value) => {
                 if value <= 0.0 {
                     inside.push(corner);
                 }

@@ -139,9 +139,9 @@ impl Field {
 /// Light on its way, as two fields that were orthogonal and of unit power at the launch outside the
 /// sheet.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Light([Field; 2]);
+pub(crate) struct PolarisedLight([Field; 2]);
 
-impl Light {
+impl PolarisedLight {
     /// Returns light that has passed the flat front face of a sheet.
     ///
     /// The face has the normal +z and the sheet the refractive index `index`. The light now travels
@@ -150,7 +150,7 @@ impl Light {
         let (inside, outside) = cosines(travel, index);
         let (s, p) = axes(travel, DVec3::Z);
         let [ts, tp] = transmission((1.0, outside), (index, inside));
-        Light([Field::along(s, ts), Field::along(p, tp)])
+        PolarisedLight([Field::along(s, ts), Field::along(p, tp)])
     }
 
     /// Returns the power as a share of the launched power.
@@ -159,7 +159,7 @@ impl Light {
     }
 
     /// Returns the distance of the fields of two lights.
-    pub(crate) fn apart(&self, other: &Light) -> f64 {
+    pub(crate) fn apart(&self, other: &PolarisedLight) -> f64 {
         let apart = |(a, b): (&Field, &Field)| (a.re - b.re).length() + (a.im - b.im).length();
         self.0.iter().zip(&other.0).map(apart).sum()
     }
@@ -178,7 +178,7 @@ impl Light {
         let [rs, rp] = surface.reflection(index, travel.dot(normal).abs());
         let (s, p) = axes(travel, normal);
         let onward = reflect(travel, normal).cross(s);
-        Light(self.0.map(|field| {
+        PolarisedLight(self.0.map(|field| {
             let (along_s, along_p) = (rs * field.dot(s), rp * field.dot(p));
             Field {
                 re: s * along_s.re + onward * along_p.re,
@@ -230,7 +230,7 @@ mod tests {
             for r in Backing::Bare.reflection(index, 1.0) {
                 assert!((r.norm_sqr() - expected).abs() < ROUNDING);
             }
-            let entered = Light::entered(DVec3::NEG_Z, index);
+            let entered = PolarisedLight::entered(DVec3::NEG_Z, index);
             assert!((entered.power() - (1.0 - expected)).abs() < ROUNDING);
             let metal = Complex64::new(0.96, 6.69);
             let expected = ((metal.re - index).powi(2) + metal.im.powi(2))
@@ -300,7 +300,7 @@ mod tests {
     #[test]
     fn a_field_along_the_normal_depends_on_no_axis() {
         let surface = Backing::Metal(Complex64::new(0.96, 6.69));
-        let light = Light::entered(DVec3::new(0.3, 0.1, -0.9).normalize(), 1.0);
+        let light = PolarisedLight::entered(DVec3::new(0.3, 0.1, -0.9).normalize(), 1.0);
         let straight = light.reflected(DVec3::NEG_Z, DVec3::Z, &surface, 1.0);
         let mut cases = 0;
         for i in 0..12 {

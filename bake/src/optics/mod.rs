@@ -1,9 +1,8 @@
 //! The action of one surface on light: reflection, refraction, losses, roughness, and the rules
 //! that decide what counts as retroreflected.
 //!
-//! Directions, normals and refractive indices enter. Directions, fields and fates leave. This room
-//! knows no mesh, only one triangle at a time. It may touch `samples`, from which rough facets draw
-//! their normals.
+//! Directions, normals and refractive indices enter. Directions, fields and fates leave. This
+//! module knows no mesh, only one triangle at a time.
 
 pub(crate) mod element;
 mod elementary;
@@ -16,7 +15,7 @@ pub(crate) mod roughness;
 mod rules;
 pub(crate) mod triangle;
 
-pub(crate) use light::{Backing, Light};
+pub(crate) use light::{Backing, PolarisedLight};
 pub use material::{metal, refractive_index};
 #[cfg(test)]
 pub(crate) use mirror::deviation;

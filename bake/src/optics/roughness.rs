@@ -23,14 +23,14 @@ use std::f64::consts::{FRAC_2_SQRT_PI, PI, SQRT_2};
 use tables::options::{Roughness, Slopes};
 
 /// Random numbers for one normal: coordinates that are uniform over [0, 2^32).
-pub(crate) type Draw = [u32; 3];
+pub(crate) type NormalDraw = [u32; 3];
 
 /// Draws the unit normal, towards the ray, that a ray along `travel` meets on a facet with the unit
 /// normal `facet`.
 ///
 /// The ray comes from the front of the facet. The errors of the elementary functions move the
 /// normal by less than 1e-15 alpha.
-pub(crate) fn normal(roughness: &Roughness, facet: DVec3, travel: DVec3, at: Draw) -> DVec3 {
+pub(crate) fn normal(roughness: &Roughness, facet: DVec3, travel: DVec3, at: NormalDraw) -> DVec3 {
     let alpha = roughness.alpha();
     match roughness.slopes() {
         Slopes::Beckmann if turns_away(alpha, facet, travel) => steep(alpha, facet, travel, at),
@@ -55,7 +55,7 @@ pub(crate) fn turns_away(alpha: f64, facet: DVec3, travel: DVec3) -> bool {
 /// whatever s. So a slope is drawn by the method of Box and Muller, and then the third number
 /// chooses between it and its opposite, in proportion to what is seen of each.
 #[inline(always)]
-pub(crate) fn beckmann(alpha: f64, facet: DVec3, travel: DVec3, at: Draw) -> DVec3 {
+pub(crate) fn beckmann(alpha: f64, facet: DVec3, travel: DVec3, at: NormalDraw) -> DVec3 {
     let [radius, turn, coin] = at;
     let square = -ln(uniform(radius));
     let (sin, cos) = sin_cos(turn);
@@ -73,7 +73,7 @@ pub(crate) fn beckmann(alpha: f64, facet: DVec3, travel: DVec3, at: Draw) -> DVe
 /// Stretched to alpha = 1, the normals lie half way between the light and the points of a cap of
 /// the unit sphere.
 #[inline(always)]
-pub(crate) fn ggx(alpha: f64, facet: DVec3, travel: DVec3, at: Draw) -> DVec3 {
+pub(crate) fn ggx(alpha: f64, facet: DVec3, travel: DVec3, at: NormalDraw) -> DVec3 {
     let [turn, height, _] = at;
     let [s, t] = axes(facet);
     let [x, y, cosine] = [
@@ -98,7 +98,7 @@ pub(crate) fn ggx(alpha: f64, facet: DVec3, travel: DVec3, at: Draw) -> DVec3 {
 
 /// Draws a normal as [`normal`] does, for Beckmann's slopes of any steepness.
 #[cold]
-pub(crate) fn steep(alpha: f64, facet: DVec3, travel: DVec3, at: Draw) -> DVec3 {
+pub(crate) fn steep(alpha: f64, facet: DVec3, travel: DVec3, at: NormalDraw) -> DVec3 {
     let cosine = -facet.dot(travel);
     let across = -travel - facet * cosine;
     let sine = across.length();

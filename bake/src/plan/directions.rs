@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::plan::default;
-use crate::plan::number::{number, positive};
+use crate::plan::effort::{number, positive};
 use crate::plan::request::Request;
 use tables::Symmetry;
 use tables::cli::list;

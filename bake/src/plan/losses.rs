@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::optics::Backing;
-use crate::plan::number::{number, positive};
+use crate::plan::effort::{number, positive};
 use crate::plan::request::Request;
 use tables::options::{Back, Element, Front, Losses, Record, SceneOptions};
 

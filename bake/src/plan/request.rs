@@ -1,7 +1,7 @@
 //! The request for a bake, as typed.
 
+use crate::plan::effort::BINS_LIMIT;
 use crate::plan::effort::MOST_THREADS;
-use crate::plan::number::BINS_LIMIT;
 use crate::plan::{default, heading};
 use clap::Args;
 use num_complex::Complex64;

@@ -1,7 +1,7 @@
 //! Pictures of the directions in which light leaves cells that are not ideal.
 
 use crate::plots::choice::Choice;
-use crate::plots::heat::{Cells, Content, Panel, Picture};
+use crate::plots::heat::{Cells, Content, DirectionPanel, Picture};
 use glam::DVec2;
 use tables::Table;
 
@@ -19,7 +19,7 @@ const CELLS: usize = 41;
 pub(crate) fn exits(table: &Table) -> Option<String> {
     let (_, azimuths) = table.axes.shape();
     let count = table.retroreflected.len();
-    let spots: Vec<Vec<Spot>> = (0..count).map(|k| spots(table, k)).collect();
+    let spots: Vec<Vec<ExitSpot>> = (0..count).map(|k| spots(table, k)).collect();
     let all = || spots.iter().flatten();
     let furthest = all()
         .flat_map(|spot| spot.0)
@@ -43,7 +43,7 @@ pub(crate) fn exits(table: &Table) -> Option<String> {
             corner: DVec2::splat(-half),
             size: DVec2::splat(2.0 * half / CELLS as f64),
         };
-        Panel::new(table, (i, a), Content::Bins(bins), "")
+        DirectionPanel::new(table, (i, a), Content::Bins(bins), "")
     };
     let choice = Choice::of(table);
     let picture = Picture {
@@ -61,10 +61,10 @@ pub(crate) fn exits(table: &Table) -> Option<String> {
 }
 
 /// Deviation (across, along v) as tangents, and the probability per launched ray.
-type Spot = ([f64; 2], f64);
+type ExitSpot = ([f64; 2], f64);
 
 /// Returns the exit directions of direction number `direction`, with their probabilities.
-fn spots(table: &Table, direction: usize) -> Vec<Spot> {
+fn spots(table: &Table, direction: usize) -> Vec<ExitSpot> {
     if let Some(found) = &table.deviations {
         let azimuths = table.axes.azimuth_deg.len();
         let launched = table.rays[[direction / azimuths, direction % azimuths]].max(1) as f64;

@@ -7,7 +7,7 @@ use tables::Table;
 
 /// Convex polygon with the same density everywhere.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Sheet {
+pub(crate) struct UniformPolygon {
     pub(crate) polygon: Polygon,
     pub(crate) density: f64,
 }
@@ -27,7 +27,7 @@ pub(crate) struct Cells {
 #[derive(Debug)]
 pub(crate) enum Content {
     /// Polygons, whose densities add where they overlap.
-    Sheets(Vec<Sheet>),
+    Polygons(Vec<UniformPolygon>),
     /// Bins of the table.
     Bins(Cells),
 }
@@ -66,10 +66,10 @@ impl Cells {
     }
 
     /// Adds the density of a polygon to the cells whose middle it holds.
-    fn add(&mut self, sheet: &Sheet) {
+    fn add(&mut self, uniform: &UniformPolygon) {
         // A whole number is the middle of a cell.
         let place = |point: &DVec2| (point - self.corner) / self.size - 0.5;
-        let corners: Vec<DVec2> = sheet.polygon.iter().map(place).collect();
+        let corners: Vec<DVec2> = uniform.polygon.iter().map(place).collect();
         let (low, high) = corners.iter().fold(NOTHING, grown);
         let first = low.y.ceil().max(0.0) as usize;
         for (y, row) in self.density.iter_mut().enumerate().skip(first) {
@@ -90,7 +90,7 @@ impl Cells {
                 .enumerate()
                 .skip(from.ceil().max(0.0) as usize);
             for (_, density) in cells.take_while(|(x, _)| (*x as f64) < to) {
-                *density += sheet.density;
+                *density += uniform.density;
             }
         }
     }
@@ -118,7 +118,7 @@ impl Cells {
     }
 
     /// Returns the cells that hold light as a picture.
-    fn image(&self, scale: &Scale) -> Image {
+    fn image(&self, scale: &ColourScale) -> Image {
         let [[left, right], [bottom, top]] = self.filled().unwrap_or_default();
         let rows = self.density[bottom..top].iter().rev();
         let steps = rows.map(|row| row[left..right].iter().map(|&d| scale.step(d)).collect());
@@ -132,8 +132,8 @@ impl Content {
     /// Returns the smallest rectangle that holds all light.
     fn extent(&self) -> Extent {
         match self {
-            Content::Sheets(sheets) => {
-                let corners = sheets.iter().flat_map(|sheet| &sheet.polygon);
+            Content::Polygons(polygons) => {
+                let corners = polygons.iter().flat_map(|uniform| &uniform.polygon);
                 corners.fold(NOTHING, grown)
             }
             Content::Bins(bins) => bins.filled().map_or(NOTHING, |[x, y]| {
@@ -145,19 +145,19 @@ impl Content {
 
     /// Returns cells with the densities, and the outlines of polygons where there are few.
     fn cells(self, extent: Extent, count: [usize; 2]) -> (Cells, Outlines) {
-        let sheets = match self {
+        let polygons = match self {
             Content::Bins(bins) => return (bins, Vec::new()),
-            Content::Sheets(sheets) => sheets,
+            Content::Polygons(polygons) => polygons,
         };
         let mut cells = Cells::dark(extent, count);
-        sheets.iter().for_each(|sheet| cells.add(sheet));
-        let outline = |sheet: &Sheet| {
-            let first = sheet.polygon.first();
-            let around = sheet.polygon.iter().chain(first);
+        polygons.iter().for_each(|uniform| cells.add(uniform));
+        let outline = |uniform: &UniformPolygon| {
+            let first = uniform.polygon.first();
+            let around = uniform.polygon.iter().chain(first);
             around.map(|&point| point.into()).collect()
         };
-        let outlines = match sheets.len() <= MOST_OUTLINES {
-            true => sheets.iter().map(outline).collect(),
+        let outlines = match polygons.len() <= MOST_OUTLINES {
+            true => polygons.iter().map(outline).collect(),
             false => Vec::new(),
         };
         (cells, outlines)
@@ -171,16 +171,16 @@ fn grown((low, high): Extent, point: &DVec2) -> Extent {
 
 /// Scale of densities from 0.
 #[derive(Debug)]
-struct Scale {
+struct ColourScale {
     /// Density at the end of the scale; 0 without light.
     highest: f64,
     /// Largest density of all, which has the colour of the end.
     largest: f64,
 }
 
-impl Scale {
+impl ColourScale {
     /// Makes a scale for densities, each with the light that has it.
-    fn of(mut light: Vec<[f64; 2]>) -> Scale {
+    fn of(mut light: Vec<[f64; 2]>) -> ColourScale {
         light.sort_by(|p, q| q[0].total_cmp(&p[0]));
         let all: f64 = light.iter().map(|[_, share]| share).sum();
         let mut beyond = 0.0;
@@ -188,7 +188,7 @@ impl Scale {
             beyond += share;
             beyond > BEYOND * all
         });
-        Scale {
+        ColourScale {
             highest: reached.map_or(0.0, |[density, _]| *density),
             largest: light.first().map_or(0.0, |[density, _]| *density),
         }
@@ -207,19 +207,19 @@ impl Scale {
 }
 
 /// One direction of a picture.
-pub(crate) struct Panel {
+pub(crate) struct DirectionPanel {
     head: String,
     content: Content,
 }
 
-impl Panel {
+impl DirectionPanel {
     /// Names a direction by its angles and its retroreflected fraction; `word` is added to them.
     pub(crate) fn new(
         table: &Table,
         (i, a): (usize, usize),
         content: Content,
         word: &str,
-    ) -> Panel {
+    ) -> DirectionPanel {
         let azimuth = match table.axes.azimuth_deg[a] {
             mean if mean.is_nan() => "mean over azimuths".into(),
             azimuth => format!("azimuth {}\u{b0}", angle(azimuth)),
@@ -229,7 +229,7 @@ impl Panel {
             eta => format!("eta {eta:.4}"),
         };
         let incidence = angle(table.axes.incidence_deg[i]);
-        Panel {
+        DirectionPanel {
             head: format!("incidence {incidence}\u{b0}, {azimuth}\n{eta}{word}"),
             content,
         }
@@ -251,7 +251,7 @@ pub(crate) struct Picture {
     pub(crate) axes: [&'static str; 2],
     /// Quantity of the scale of colours.
     pub(crate) bar: &'static str,
-    pub(crate) panels: Vec<Panel>,
+    pub(crate) panels: Vec<DirectionPanel>,
     /// Number of panels beside each other.
     pub(crate) columns: usize,
 }
@@ -277,7 +277,7 @@ impl Picture {
                 (panel.head, cells, outlines)
             })
             .collect();
-        let scale = Scale::of(panels.iter().flat_map(|panel| panel.1.light()).collect());
+        let scale = ColourScale::of(panels.iter().flat_map(|panel| panel.1.light()).collect());
         let axes = [Axis::linear(low.x, high.x), Axis::linear(low.y, high.y)];
         let facet = |(head, cells, outlines): (String, Cells, _)| Facet {
             remark: cells.filled().is_none().then_some("nothing returns"),
@@ -321,9 +321,9 @@ fn margined((low, high): Extent) -> Extent {
 mod tests {
     use super::*;
 
-    fn square(low: f64, high: f64, density: f64) -> Sheet {
+    fn square(low: f64, high: f64, density: f64) -> UniformPolygon {
         let corners = [(low, low), (high, low), (high, high), (low, high)];
-        Sheet {
+        UniformPolygon {
             polygon: corners.map(|(x, y)| DVec2::new(x, y)).to_vec(),
             density,
         }
@@ -350,13 +350,13 @@ mod tests {
     /// direction, each of which may be counted wrongly.
     #[test]
     fn cells_hold_the_light_of_what_covers_them() {
-        let light = |sheet: &Sheet| -> f64 {
+        let light = |uniform: &UniformPolygon| -> f64 {
             let mut cells = Cells::dark((DVec2::ZERO, DVec2::new(3.0, 2.0)), [300, 200]);
-            cells.add(sheet);
+            cells.add(uniform);
             cells.light().map(|[_, share]| share).sum()
         };
         assert!((light(&square(-1.0, 1.0, 2.0)) - 2.0).abs() < 1e-9);
-        let triangle = Sheet {
+        let triangle = UniformPolygon {
             polygon: vec![DVec2::ZERO, DVec2::new(3.0, 0.0), DVec2::new(0.0, 2.0)],
             density: 0.5,
         };
@@ -369,11 +369,11 @@ mod tests {
     #[test]
     fn the_scale_leaves_out_the_densest_slivers() {
         // 0.4 % of the light has the density 9.
-        let scale = Scale::of(vec![[1.0, 99.6], [9.0, 0.4]]);
+        let scale = ColourScale::of(vec![[1.0, 99.6], [9.0, 0.4]]);
         assert_eq!((scale.highest, scale.largest), (1.0, 9.0));
         let steps = [0.0, 1e-9, 1.0 / 64.0, 0.5, 1.0, 9.0].map(|density| scale.step(density));
         assert_eq!(steps, [0, 1, 1, 32, 64, 64]);
-        let dark = Scale::of(Vec::new());
+        let dark = ColourScale::of(Vec::new());
         assert_eq!(dark.step(0.0), 0, "a picture without light");
     }
 
@@ -382,8 +382,8 @@ mod tests {
     #[test]
     fn no_text_of_a_picture_is_cut_or_covered() {
         let contents = [
-            || Content::Sheets(vec![square(-0.3, 0.4, 12_345.0)]),
-            || Content::Sheets(Vec::new()),
+            || Content::Polygons(vec![square(-0.3, 0.4, 12_345.0)]),
+            || Content::Polygons(Vec::new()),
             || {
                 let line = vec![vec![1e-9; 30]];
                 Content::Bins(Cells {
@@ -395,7 +395,7 @@ mod tests {
         ];
         for content in contents {
             for (count, columns) in [(1, 1), (2, 2), (24, 6), (5, 3)] {
-                let panel = |k: usize| Panel {
+                let panel = |k: usize| DirectionPanel {
                     head: format!("incidence 12.34\u{b0}, mean over azimuths\neta 0.{k}, bins"),
                     content: content(),
                 };

@@ -1,7 +1,5 @@
-//! Pictures of a table: the shifts, and the directions of light that does not go straight back.
-//!
-//! A [`tables::Table`] enters, and SVG leaves. This room touches no other room but the polygons of
-//! `geometry`, and writes no file.
+//! Pictures of a table as SVG: the shifts, and the directions of light that does not go straight
+//! back. No file is written here.
 
 mod choice;
 mod exits;

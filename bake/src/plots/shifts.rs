@@ -1,7 +1,7 @@
 //! Pictures of the ray shifts of a table: polygons if it is exact, bins otherwise.
 
 use crate::plots::choice::Choice;
-use crate::plots::heat::{Cells, Content, Panel, Picture, Sheet};
+use crate::plots::heat::{Cells, Content, DirectionPanel, Picture, UniformPolygon};
 use glam::DVec2;
 use tables::{Exact, Table};
 
@@ -18,7 +18,7 @@ pub(crate) fn shifts(table: &Table) -> String {
     let choice = Choice::of(table);
     let contents = choice.directions.iter().map(|&at| content(table, at));
     let contents: Vec<Content> = contents.collect();
-    let is_exact = |content: &&Content| matches!(content, Content::Sheets(_));
+    let is_exact = |content: &&Content| matches!(content, Content::Polygons(_));
     let exact = contents.iter().filter(is_exact).count();
     let width = table.axes.bin_width();
     let drawn = match exact {
@@ -30,7 +30,7 @@ pub(crate) fn shifts(table: &Table) -> String {
     let panels = choice.directions.iter().zip(contents);
     let panels = panels.map(|(&at, content)| {
         let binned = mixed && matches!(content, Content::Bins(_));
-        Panel::new(table, at, content, if binned { ", bins" } else { "" })
+        DirectionPanel::new(table, at, content, if binned { ", bins" } else { "" })
     });
     let picture = Picture {
         title: format!("{}: ray shift p' - p, {drawn}", table.provenance.design),
@@ -55,7 +55,7 @@ fn content(table: &Table, (i, a): (usize, usize)) -> Content {
 ///
 /// Returns `None` if light falls on a line.
 fn polygons(exact: &Exact, direction: usize) -> Option<Content> {
-    let mut sheets = Vec::new();
+    let mut shown = Vec::new();
     for path in exact.paths.get(direction)? {
         let [[a, b], [c, d]] = path.matrix;
         let stretch = a * a + b * b + c * c + d * d;
@@ -72,9 +72,9 @@ fn polygons(exact: &Exact, direction: usize) -> Option<Content> {
             .iter()
             .map(|&entry| DVec2::from(path.shift(entry)))
             .collect();
-        sheets.push(Sheet { polygon, density });
+        shown.push(UniformPolygon { polygon, density });
     }
-    Some(Content::Sheets(sheets))
+    Some(Content::Polygons(shown))
 }
 
 /// Returns the bins of the shifts of a direction.
@@ -122,11 +122,11 @@ mod tests {
             entrance_area: 2.0,
             paths: vec![paths],
         };
-        let sheets = |paths: Vec<Light>| match polygons(&exact(paths), 0) {
-            Some(Content::Sheets(sheets)) => sheets,
+        let shown = |paths: Vec<Light>| match polygons(&exact(paths), 0) {
+            Some(Content::Polygons(shown)) => shown,
             other => panic!("{other:?}"),
         };
-        let both = sheets(vec![turned.clone(), mirrored, turned.clone()]);
+        let both = shown(vec![turned.clone(), mirrored, turned.clone()]);
         // 0.25 of 2 square edge lengths enter by each path, of which 1, 0.5 and 1 return. All
         // numbers are sums of powers of 2, so nothing is rounded.
         let light = both.iter().map(|s| s.density * area(&s.polygon).abs());
@@ -144,6 +144,6 @@ mod tests {
             (DVec2::new(-0.75, -1.0), DVec2::new(0.25, 1.0))
         );
         assert!(polygons(&exact(vec![turned, flat]), 0).is_none());
-        assert!(sheets(Vec::new()).is_empty());
+        assert!(shown(Vec::new()).is_empty());
     }
 }

@@ -7,10 +7,10 @@
 )]
 
 use crate::optics::{Incidence, Leaving, Rules, element};
-use crate::rays::bins::Bins;
+use crate::rays::accumulator::Accumulator;
+use crate::rays::accumulator::Bins;
 use crate::rays::lane::{LANES, Mask, Reals, UNITS, floor};
 use crate::rays::scene::Scene;
-use crate::rays::tally::Tally;
 use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
 use tables::deviation::Grid;
@@ -84,7 +84,7 @@ impl<'a> Departures<'a> {
 
     /// Takes a ray, and counts all if there is no room for more.
     #[inline(always)]
-    pub(crate) fn push(&mut self, ray: &Departure, tally: &mut Tally) {
+    pub(crate) fn push(&mut self, ray: &Departure, accumulator: &mut Accumulator) {
         let lane = self.count;
         let point = ray.point.to_array();
         for axis in 0..2 {
@@ -101,25 +101,25 @@ impl<'a> Departures<'a> {
         self.bounces[lane] = ray.bounces;
         self.count += 1;
         if self.count == LANES {
-            self.count(tally);
+            self.count(accumulator);
         }
     }
 
     /// Counts the rays that are waiting.
     #[inline(always)]
-    pub(crate) fn count(&mut self, tally: &mut Tally) {
+    pub(crate) fn count(&mut self, accumulator: &mut Accumulator) {
         let fates = self.fates();
         let (bin, place) = self.places();
         for lane in 0..self.count {
             if fates[lane] != Fate::Retroreflected as u64 {
-                tally.fates[fates[lane] as usize] += 1;
+                accumulator.fates[fates[lane] as usize] += 1;
             } else if bin[lane] == BESIDE {
-                tally.fates[Fate::OutOfRange as usize] += 1;
+                accumulator.fates[Fate::OutOfRange as usize] += 1;
             } else {
-                tally.fates[Fate::Retroreflected as usize] += 1;
-                tally.histogram[bin[lane] as usize] += 1;
+                accumulator.fates[Fate::Retroreflected as usize] += 1;
+                accumulator.histogram[bin[lane] as usize] += 1;
                 if self.exits.is_some() {
-                    tally.exits.push(place[lane]);
+                    accumulator.exits.push(place[lane]);
                 }
             }
         }

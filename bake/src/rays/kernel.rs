@@ -1,22 +1,22 @@
-//! Tracer of one direction: it takes every ray of a run from its sample to the tally.
+//! Tracer of one direction: it takes every ray of a run from its sample to the accumulator. And the
+//! sheet that it traces: one scene, or one scene for each kind of body of the cell.
 
+use crate::cell::Prepared;
 use crate::optics::{Incidence, Rules, element};
-use crate::rays::bins::Bins;
-use crate::rays::bvh::Hierarchy;
+use crate::rays::accumulator::{Accumulator, Bins};
 use crate::rays::departures::Departures;
-use crate::rays::entries::{Entry, Part, entries};
-use crate::rays::exits::Exits;
-use crate::rays::lanes;
-use crate::rays::lanes::Batch;
-use crate::rays::path::{Luck, Outcome, trace};
-use crate::rays::program::Program;
-use crate::rays::rough::{Flight, Flying};
-use crate::rays::scene::Scene;
-use crate::rays::sheet::Sheet;
+use crate::rays::entries::neighbours;
+use crate::rays::entries::{EntryPoint, SampleRange, entries};
+use crate::rays::hierarchy::bvh::Hierarchy;
+use crate::rays::hierarchy::groups::{MOST_RAYS, RayGroup};
+use crate::rays::path::{Outcome, RandomNumbers, trace};
+use crate::rays::programs::exits::NumberedExits;
+use crate::rays::programs::lanes;
+use crate::rays::programs::lanes::Batch;
+use crate::rays::programs::program::Program;
+use crate::rays::rough::{RoughBatch, RoughTracing};
+use crate::rays::scene::{Index, Scene};
 use crate::rays::simd::InstructionSet;
-use crate::rays::swarm::{SWARM, Swarm};
-use crate::rays::tally::Tally;
-use crate::rays::tiles::neighbours;
 use crate::samples::{Launch, Stream};
 use std::ops::Range;
 use std::sync::Arc;
@@ -67,12 +67,12 @@ pub(crate) struct Kernel {
     instructions: InstructionSet,
     /// Roughness of facets whose rays go side by side; `None` if they go one by one.
     rough: Option<Roughness>,
-    /// True if rays go down the hierarchy of every scene together, in swarms.
-    bundles: bool,
+    /// True if rays go down the hierarchy of every scene together, in groups.
+    grouped: bool,
     /// Grid that exit directions are recorded on; `None` if they are not recorded.
     exits: Option<Grid>,
     /// Exit directions of the programs, where they are recorded.
-    exits_of_programs: Option<Exits>,
+    exits_of_programs: Option<NumberedExits>,
 }
 
 impl Kernel {
@@ -140,7 +140,7 @@ impl Kernel {
             programs: programs.unwrap_or_default(),
             rough: rules.roughness.filter(|_| side_by_side),
             instructions: InstructionSet::best(),
-            bundles: scenes.iter().all(|scene| scene.for_bundles().is_some()),
+            grouped: scenes.iter().all(|scene| scene.for_groups().is_some()),
             exits: None,
             exits_of_programs: None,
             scenes: scenes.clone(),
@@ -152,12 +152,12 @@ impl Kernel {
         }
     }
 
-    /// Returns the tracer without programs and swarms, so that every ray goes by [`trace`].
+    /// Returns the tracer without programs and groups, so that every ray goes by [`trace`].
     pub(crate) fn one_by_one(self) -> Self {
         Kernel {
             programs: Vec::new(),
             rough: None,
-            bundles: false,
+            grouped: false,
             ..self
         }
     }
@@ -177,7 +177,7 @@ impl Kernel {
         let Some(grid) = &exits else {
             return self;
         };
-        let exits_of_programs = Exits::new(&self.programs, grid, &self.bins);
+        let exits_of_programs = NumberedExits::new(&self.programs, grid, &self.bins);
         Kernel {
             programs: match exits_of_programs {
                 Some(_) => self.programs,
@@ -226,7 +226,7 @@ impl Kernel {
     ///
     /// They are where rays go down a hierarchy beside their neighbours.
     pub(crate) fn mixes(&self) -> bool {
-        self.programs.is_empty() && self.rough.is_none() && (self.bundles || self.is_large())
+        self.programs.is_empty() && self.rough.is_none() && (self.grouped || self.is_large())
     }
 
     /// Returns whether any scene is large ([`Scene::is_large`]).
@@ -234,24 +234,29 @@ impl Kernel {
         self.scenes.iter().any(|scene| scene.is_large())
     }
 
-    /// Traces `samples` of `stream` into `tally`.
+    /// Traces `samples` of `stream` into `accumulator`.
     #[cfg(test)]
-    pub(crate) fn trace(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
-        let part = Part {
+    pub(crate) fn trace(
+        &self,
+        stream: &Stream,
+        samples: Range<u64>,
+        accumulator: &mut Accumulator,
+    ) {
+        let part = SampleRange {
             stream: *stream,
             samples,
         };
-        self.trace_parts(&[part], std::slice::from_mut(tally));
+        self.trace_parts(&[part], std::slice::from_mut(accumulator));
     }
 
-    /// Traces each of `parts` into its tally.
-    pub(crate) fn trace_parts(&self, parts: &[Part], tallies: &mut [Tally]) {
+    /// Traces each of `parts` into its accumulator.
+    pub(crate) fn trace_parts(&self, parts: &[SampleRange], accumulators: &mut [Accumulator]) {
         if self.programs.is_empty() && self.rough.is_none() {
-            return self.trace_paths(parts, tallies);
+            return self.trace_paths(parts, accumulators);
         }
-        for (Part { stream, samples }, tally) in parts.iter().zip(tallies) {
+        for (SampleRange { stream, samples }, accumulator) in parts.iter().zip(accumulators) {
             if let (Some(roughness), Some(direction)) = (self.rough, &self.direction) {
-                self.trace_rough(roughness, direction, stream, samples.clone(), tally);
+                self.trace_rough(roughness, direction, stream, samples.clone(), accumulator);
                 continue;
             }
             let batch = Batch {
@@ -262,7 +267,7 @@ impl Kernel {
                 samples: samples.clone(),
                 exits: self.exits_of_programs.as_ref(),
             };
-            batch.trace(self.instructions, tally);
+            batch.trace(self.instructions, accumulator);
         }
     }
 
@@ -273,9 +278,9 @@ impl Kernel {
         direction: &Incidence,
         stream: &Stream,
         samples: Range<u64>,
-        tally: &mut Tally,
+        accumulator: &mut Accumulator,
     ) {
-        let flight = Flight {
+        let batch = RoughBatch {
             scenes: &self.scenes,
             launch: &self.launch,
             rules: &self.rules,
@@ -286,44 +291,51 @@ impl Kernel {
         };
         let exits = self.exits.as_ref();
         let mut departures = Departures::new(direction, &self.rules, &self.bins, exits);
-        self.instructions.run(Flying {
-            flight: &flight,
+        self.instructions.run(RoughTracing {
+            batch: &batch,
             departures: &mut departures,
-            tally,
+            accumulator,
         });
     }
 
-    /// Traces the samples of `parts` facet by facet: in swarms if every scene allows them, otherwise
-    /// one by one.
-    fn trace_paths(&self, parts: &[Part], tallies: &mut [Tally]) {
-        let hierarchies = self.scenes.iter().map(|scene| scene.for_bundles());
+    /// Traces the samples of `parts` facet by facet: in groups if every scene allows them,
+    /// otherwise one by one.
+    fn trace_paths(&self, parts: &[SampleRange], accumulators: &mut [Accumulator]) {
+        let hierarchies = self.scenes.iter().map(|scene| scene.for_groups());
         let hierarchies: Option<Vec<&Hierarchy>> = hierarchies.collect();
         match hierarchies {
-            Some(hierarchies) if self.bundles => self.trace_swarms(&hierarchies, parts, tallies),
-            _ => self.trace_alone(parts, tallies),
+            Some(hierarchies) if self.grouped => {
+                self.trace_groups(&hierarchies, parts, accumulators);
+            }
+            _ => self.trace_alone(parts, accumulators),
         }
     }
 
-    /// Traces the samples of `parts` in swarms.
-    fn trace_swarms(&self, hierarchies: &[&Hierarchy], parts: &[Part], tallies: &mut [Tally]) {
+    /// Traces the samples of `parts` in groups.
+    fn trace_groups(
+        &self,
+        hierarchies: &[&Hierarchy],
+        parts: &[SampleRange],
+        accumulators: &mut [Accumulator],
+    ) {
         for (number, (scene, &hierarchy)) in self.scenes.iter().zip(hierarchies).enumerate() {
-            let mut swarm = Swarm::new(scene, hierarchy, &self.rules);
-            for neighbours in self.neighbours(number, parts).chunks(SWARM) {
-                let path = |entry: &Entry| {
+            let mut group = RayGroup::new(scene, hierarchy, &self.rules);
+            for neighbours in self.neighbours(number, parts).chunks(MOST_RAYS) {
+                let path = |entry: &EntryPoint| {
                     let (stream, index) = entry.sample(parts);
                     let direction = self.direction_of(stream, index);
-                    (direction, entry.point, self.luck(stream, index))
+                    (direction, entry.point, self.random(stream, index))
                 };
-                swarm.trace(neighbours.iter().map(path), |which, direction, outcome| {
-                    let tally = &mut tallies[neighbours[which].part()];
-                    self.count(direction, outcome, tally);
+                group.trace(neighbours.iter().map(path), |which, direction, outcome| {
+                    let accumulator = &mut accumulators[neighbours[which].part()];
+                    self.count(direction, outcome, accumulator);
                 });
             }
         }
     }
 
     /// Returns the rays that enter scene number `scene`, sorted into tiles.
-    fn neighbours(&self, scene: usize, parts: &[Part]) -> Vec<Entry> {
+    fn neighbours(&self, scene: usize, parts: &[SampleRange]) -> Vec<EntryPoint> {
         neighbours(&self.launch, parts, scene, self.instructions)
     }
 
@@ -336,12 +348,12 @@ impl Kernel {
     }
 
     /// Returns the random numbers of sample `index` of `stream`.
-    fn luck(&self, stream: &Stream, index: u64) -> Luck {
+    fn random(&self, stream: &Stream, index: u64) -> RandomNumbers {
         let chance = match self.rules.losses {
             Some(_) => self.launch.chance(stream, index),
             None => 0.5,
         };
-        Luck {
+        RandomNumbers {
             chance,
             sample: (*stream, index),
         }
@@ -349,50 +361,89 @@ impl Kernel {
 
     /// Traces `samples` ray by ray with [`trace`].
     #[cfg(test)]
-    pub(crate) fn trace_one_by_one(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
-        let part = Part {
+    pub(crate) fn trace_one_by_one(
+        &self,
+        stream: &Stream,
+        samples: Range<u64>,
+        accumulator: &mut Accumulator,
+    ) {
+        let part = SampleRange {
             stream: *stream,
             samples,
         };
-        self.trace_alone(&[part], std::slice::from_mut(tally));
+        self.trace_alone(&[part], std::slice::from_mut(accumulator));
     }
 
     /// Traces the samples of `parts` ray by ray with [`trace`].
-    fn trace_alone(&self, parts: &[Part], tallies: &mut [Tally]) {
+    fn trace_alone(&self, parts: &[SampleRange], accumulators: &mut [Accumulator]) {
         if !self.is_large() {
-            return self.trace_entries(parts, entries(&self.launch, parts), tallies);
+            return self.trace_entries(parts, entries(&self.launch, parts), accumulators);
         }
         // The facets that a neighbour has met are still in the cache.
         for scene in 0..self.scenes.len() {
             let entries = self.neighbours(scene, parts).into_iter();
-            self.trace_entries(parts, entries.map(|entry| (scene, entry)), tallies);
+            self.trace_entries(parts, entries.map(|entry| (scene, entry)), accumulators);
         }
     }
 
     /// Traces the samples of `entries`, which belong to `parts`.
     fn trace_entries(
         &self,
-        parts: &[Part],
-        entries: impl Iterator<Item = (usize, Entry)>,
-        tallies: &mut [Tally],
+        parts: &[SampleRange],
+        entries: impl Iterator<Item = (usize, EntryPoint)>,
+        accumulators: &mut [Accumulator],
     ) {
         for (scene, entry) in entries {
             let (stream, index) = entry.sample(parts);
             let direction = self.direction_of(stream, index);
-            let luck = self.luck(stream, index);
+            let random = self.random(stream, index);
             let scene = &self.scenes[scene];
-            let outcome = trace(scene, &self.rules, &direction, entry.point, luck);
-            self.count(&direction, &outcome, &mut tallies[entry.part()]);
+            let outcome = trace(scene, &self.rules, &direction, entry.point, random);
+            self.count(&direction, &outcome, &mut accumulators[entry.part()]);
         }
     }
 
     /// Counts the ray that was launched along `direction`.
-    fn count(&self, direction: &Incidence, outcome: &Outcome, tally: &mut Tally) {
-        tally.count(&self.bins, outcome);
+    fn count(&self, direction: &Incidence, outcome: &Outcome, accumulator: &mut Accumulator) {
+        accumulator.count(&self.bins, outcome);
         if let (Some(grid), Fate::Retroreflected) = (&self.exits, outcome.fate) {
             let back = element::straight_back(self.rules.element, outcome.travel);
             let deviation = direction.deviation(back, self.rules.refractive_index);
-            tally.count_exit(&self.bins, grid, outcome.shift, deviation);
+            accumulator.count_exit(&self.bins, grid, outcome.shift, deviation);
+        }
+    }
+}
+
+/// Scenes that rays are launched into, and the shares of the rays among them.
+pub(crate) struct Sheet {
+    /// All scenes; a ray meets facets of one scene only.
+    pub scenes: Vec<Arc<Scene>>,
+    /// Map from samples to entry points and the scenes that they belong to.
+    pub launch: Launch,
+}
+
+impl Sheet {
+    /// Makes the sheet of a cell, with a scene for each kind of body if there are kinds.
+    ///
+    /// [`Prepared::kinds`] says whether the cell is taken apart into bodies.
+    pub(crate) fn new(prepared: &Prepared, index: Index) -> Self {
+        let cell = prepared.cell();
+        let Ok(kinds) = prepared.kinds() else {
+            return Sheet {
+                scenes: vec![Arc::new(Scene::new(cell, index))],
+                launch: Launch::new(&cell.entrance),
+            };
+        };
+        let shares: Vec<_> = kinds
+            .iter()
+            .map(|kind| (&kind.entrance, kind.places.len()))
+            .collect();
+        Sheet {
+            launch: Launch::among(&shares),
+            scenes: kinds
+                .iter()
+                .map(|kind| Arc::new(Scene::of(&kind.facets, &kind.entrance, index)))
+                .collect(),
         }
     }
 }

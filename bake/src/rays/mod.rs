@@ -1,52 +1,35 @@
 //! Sampled light: the rays of one direction, from the entrance to their counts.
 //!
 //! A prepared cell, the rules and one direction enter. Integer counts by bin and by fate leave. The
-//! rays are traced in four ways: one by one, down a hierarchy in swarms of neighbours, as a program
+//! rays are traced in four ways: one by one, down a hierarchy in groups of neighbours, as a program
 //! of 64 rays side by side, and side by side with directions of their own. All ways give the same
-//! result, bit for bit. This room may touch `cell`, `optics` and `samples`. It knows no thread and
-//! no table. Its file `simd` holds the only unsafe code.
+//! result, bit for bit. This module knows no thread and no table. Its file `simd` holds the only
+//! unsafe code.
 
-mod bins;
-mod block;
-mod bvh;
-mod cluster;
+mod accumulator;
 mod departures;
-mod drawn;
 mod entries;
-mod excerpt;
-mod exits;
-mod frames;
+mod hierarchy;
 mod kernel;
 mod lane;
-pub(crate) mod lanes;
-mod nearest;
 mod path;
-mod program;
-mod region;
+pub(crate) mod programs;
 mod rough;
 mod scene;
-mod scratch;
-mod sheet;
 mod simd;
-mod swarm;
-mod tally;
-mod tiles;
-mod tree;
 
-pub(crate) use bins::Bins;
-pub(crate) use entries::Part;
-pub(crate) use kernel::Kernel;
+pub(crate) use accumulator::{Accumulator, Bins, Sums};
+pub(crate) use entries::SampleRange;
 pub use kernel::Tracer;
+pub(crate) use kernel::{Kernel, Sheet};
 #[cfg(test)]
-pub(crate) use lanes::Batch;
+pub(crate) use path::{Outcome, RandomNumbers, trace};
 #[cfg(test)]
-pub(crate) use path::{Luck, Outcome, trace};
+pub(crate) use programs::lanes::Batch;
 #[cfg(test)]
-pub(crate) use program::{End, Program};
+pub(crate) use programs::program::{End, Program};
 pub(crate) use scene::Index;
 #[cfg(test)]
 pub(crate) use scene::{Event, Scene};
-pub(crate) use sheet::Sheet;
 #[cfg(test)]
 pub(crate) use simd::InstructionSet;
-pub(crate) use tally::{Sums, Tally};

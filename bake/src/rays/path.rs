@@ -3,8 +3,8 @@
 //! All faster tracers are checked against this one.
 
 use crate::optics::{
-    Backing, Incidence, LEAST_POWER, Leaving, Light, PASSES, Ray, Rules, element, fate_of_leaving,
-    mirrored, reflect, refract, roughness,
+    Backing, Incidence, LEAST_POWER, Leaving, PASSES, PolarisedLight, Ray, Rules, element,
+    fate_of_leaving, mirrored, reflect, refract, roughness,
 };
 use crate::rays::scene::{Event, Scene};
 use crate::samples::Stream;
@@ -157,7 +157,7 @@ impl Course {
 
 /// Random numbers that decide the way of one ray.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Luck {
+pub(crate) struct RandomNumbers {
     /// Number in (0, 1) that decides how far the ray comes where the rules have losses.
     ///
     /// If chances are evenly spread, the share of rays that come back is the share of power that
@@ -168,11 +168,11 @@ pub(crate) struct Luck {
 }
 
 /// Makes random numbers from a chance alone, for smooth facets.
-impl From<f64> for Luck {
+impl From<f64> for RandomNumbers {
     fn from(chance: f64) -> Self {
         let stream = Stream::new(Sampler::Random, 0, 0.0, 0.0, 0);
         let sample = (stream, 0);
-        Luck { chance, sample }
+        RandomNumbers { chance, sample }
     }
 }
 
@@ -180,7 +180,7 @@ impl From<f64> for Luck {
 ///
 /// It goes on as long as the power that a beam would have left exceeds its `chance`.
 struct Photon {
-    light: Light,
+    light: PolarisedLight,
     surface: Backing,
     chance: f64,
 }
@@ -222,7 +222,7 @@ impl RayPath {
         rules: &Rules,
         direction: &Incidence,
         point: DVec2,
-        Luck { chance, sample }: Luck,
+        RandomNumbers { chance, sample }: RandomNumbers,
     ) -> Self {
         RayPath {
             ray: scene.enter(point, direction.travel),
@@ -230,7 +230,7 @@ impl RayPath {
             course: Course::new(direction),
             prism: [0, 0],
             photon: rules.losses.map(|surface| Photon {
-                light: Light::entered(direction.travel, rules.refractive_index),
+                light: PolarisedLight::entered(direction.travel, rules.refractive_index),
                 surface,
                 chance,
             }),
@@ -402,16 +402,16 @@ impl RayPath {
 
 /// Traces the ray that enters `scene` along `direction` at `point` of the entrance plane.
 ///
-/// `point` is in the cell frame, edge lengths. `luck` has no effect if the rules have neither
+/// `point` is in the cell frame, edge lengths. `random` has no effect if the rules have neither
 /// losses nor roughness.
 pub(crate) fn trace(
     scene: &Scene,
     rules: &Rules,
     direction: &Incidence,
     point: DVec2,
-    luck: impl Into<Luck>,
+    random: impl Into<RandomNumbers>,
 ) -> Outcome {
-    let mut path = RayPath::new(scene, rules, direction, point, luck.into());
+    let mut path = RayPath::new(scene, rules, direction, point, random.into());
     let fate = match path.enter() {
         Err(fate) => fate,
         Ok(()) => loop {

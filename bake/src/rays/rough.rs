@@ -15,13 +15,13 @@
 use crate::optics::{
     BOUNCE_LIMIT, Incidence, Quick, Ray, Rules, Triangle, mirrored, reflect, roughness, slack_after,
 };
+use crate::rays::accumulator::Accumulator;
 use crate::rays::departures::{Departure, Departures};
-use crate::rays::drawn::{digits, points};
 use crate::rays::lane::{LANES, Mask, Reals, choose};
-use crate::rays::lanes;
+use crate::rays::lane::{digits, points};
+use crate::rays::programs::lanes;
 use crate::rays::scene::Scene;
 use crate::rays::simd::Task;
-use crate::rays::tally::Tally;
 use crate::samples::{Launch, Stream, philox};
 use glam::{DMat3, DVec2, DVec3};
 use std::ops::Range;
@@ -30,7 +30,7 @@ use tables::Fate;
 use tables::options::{Roughness, Slopes};
 
 /// Samples to trace, and what they go through.
-pub(crate) struct Flight<'a> {
+pub(crate) struct RoughBatch<'a> {
     /// Scenes that `launch` leads into, none of them periodic.
     pub scenes: &'a [Arc<Scene>],
     /// Map from samples to entry points.
@@ -47,40 +47,40 @@ pub(crate) struct Flight<'a> {
     pub samples: Range<u64>,
 }
 
-/// Sample of a flight: its index, and the point where its ray enters.
+/// Sample of a batch: its index, and the point where its ray enters.
 #[derive(Debug, Clone, Copy)]
-struct Entry {
+struct RoughEntry {
     index: u64,
     point: DVec2,
 }
 
-/// Tracing of a flight; `departures` counts its rays in `tally`.
-pub(crate) struct Flying<'a> {
+/// Tracing of a batch; `departures` counts its rays in `accumulator`.
+pub(crate) struct RoughTracing<'a> {
     /// Samples to trace.
-    pub flight: &'a Flight<'a>,
+    pub batch: &'a RoughBatch<'a>,
     /// Rays that have left the cell.
     pub departures: &'a mut Departures<'a>,
     /// Counts of the rays.
-    pub tally: &'a mut Tally,
+    pub accumulator: &'a mut Accumulator,
 }
 
-impl Task for Flying<'_> {
+impl Task for RoughTracing<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        run(self.flight, self.departures, self.tally);
+        run(self.batch, self.departures, self.accumulator);
     }
 }
 
-/// Traces all samples of a flight; `departures` counts them in `tally`.
+/// Traces all samples of a batch; `departures` counts them in `accumulator`.
 #[inline(always)]
-fn run(flight: &Flight, departures: &mut Departures, tally: &mut Tally) {
-    for (scene, entries) in flight.scenes.iter().zip(entries(flight)) {
+fn run(batch: &RoughBatch, departures: &mut Departures, accumulator: &mut Accumulator) {
+    for (scene, entries) in batch.scenes.iter().zip(entries(batch)) {
         departures.enter(scene);
         let faces = Faces::new(scene);
-        let first = scene.enter(DVec2::ZERO, flight.direction.travel);
-        let (mut flock, mut arriving) = (Flock::new(&first), Flock::new(&first));
+        let first = scene.enter(DVec2::ZERO, batch.direction.travel);
+        let (mut rays, mut arriving) = (LaneRays::new(&first), LaneRays::new(&first));
         let mut waiting = entries.chunks(LANES);
         let mut fresh = 0..0;
         let mut free = u64::MAX;
@@ -94,42 +94,42 @@ fn run(flight: &Flight, departures: &mut Departures, tally: &mut Tally) {
                     continue;
                 };
                 if arriving.distance[arrival] == UNMET {
-                    departures.push(&arriving.departure(arrival), tally);
+                    departures.push(&arriving.departure(arrival), accumulator);
                 } else {
-                    flock.take(free.trailing_zeros() as usize, &arriving, arrival);
+                    rays.take(free.trailing_zeros() as usize, &arriving, arrival);
                     free &= free - 1;
                 }
             }
             if free == u64::MAX {
                 break;
             }
-            let fates = flock.step(flight, &faces);
+            let fates = rays.step(batch, &faces);
             let mut ended = ended(&fates) & !free;
             free |= ended;
             while ended != 0 {
                 let lane = ended.trailing_zeros() as usize;
                 ended &= ended - 1;
                 if fates[lane] == OUT {
-                    departures.push(&flock.departure(lane), tally);
+                    departures.push(&rays.departure(lane), accumulator);
                 } else {
-                    tally.fates[fates[lane] as usize] += 1;
+                    accumulator.fates[fates[lane] as usize] += 1;
                 }
             }
         }
-        departures.count(tally);
+        departures.count(accumulator);
     }
 }
 
-/// Draws the samples of a flight; returns those of each scene.
+/// Draws the samples of a batch; returns those of each scene.
 #[inline(always)]
-fn entries(flight: &Flight) -> Vec<Vec<Entry>> {
-    let Flight { launch, stream, .. } = *flight;
-    let samples = flight.samples.clone();
-    let mut entries = vec![Vec::new(); flight.scenes.len()];
+fn entries(batch: &RoughBatch) -> Vec<Vec<RoughEntry>> {
+    let RoughBatch { launch, stream, .. } = *batch;
+    let samples = batch.samples.clone();
+    let mut entries = vec![Vec::new(); batch.scenes.len()];
     if lanes::sorts(launch) {
         for index in samples {
             let (scene, point) = launch.entry(stream, index);
-            entries[scene].push(Entry { index, point });
+            entries[scene].push(RoughEntry { index, point });
         }
         return entries;
     }
@@ -141,7 +141,7 @@ fn entries(flight: &Flight) -> Vec<Vec<Entry>> {
             let of_scene = &mut entries[piece.scene];
             for lane in 0..count {
                 if chosen[lane] >> 63 == 1 {
-                    of_scene.push(Entry {
+                    of_scene.push(RoughEntry {
                         index: first + lane as u64,
                         point: DVec2::new(x[lane], y[lane]),
                     });
@@ -205,7 +205,7 @@ impl<'a> Faces<'a> {
 }
 
 /// Rays under way, one for each lane, with the facets ahead of them.
-struct Flock {
+struct LaneRays {
     point: [Reals; 2],
     origin: [Reals; 3],
     travel: [Reals; 3],
@@ -220,11 +220,11 @@ struct Flock {
     grain: f64,
 }
 
-impl Flock {
-    /// Makes a flock whose lanes all hold the ray `first`.
+impl LaneRays {
+    /// Makes lanes that all hold the ray `first`.
     #[inline(always)]
     fn new(first: &Ray) -> Self {
-        Flock {
+        LaneRays {
             point: [[0.0; LANES]; 2],
             origin: first.origin.to_array().map(|value| [value; LANES]),
             travel: first.direction.to_array().map(|value| [value; LANES]),
@@ -238,31 +238,31 @@ impl Flock {
         }
     }
 
-    /// Starts rays in the first lanes, in a flock whose rays have met no facet.
+    /// Starts rays in the first lanes, where the rays have met no facet.
     #[inline(always)]
-    fn fill(&mut self, entries: &[Entry]) {
-        for (lane, Entry { index, point }) in entries.iter().enumerate() {
+    fn fill(&mut self, entries: &[RoughEntry]) {
+        for (lane, RoughEntry { index, point }) in entries.iter().enumerate() {
             (self.point[0][lane], self.point[1][lane]) = (point.x, point.y);
             (self.origin[0][lane], self.origin[1][lane]) = (point.x, point.y);
             self.index[lane] = *index;
         }
     }
 
-    /// Takes ray `other` of `flock` into `lane`.
+    /// Takes ray `other` of `rays` into `lane`.
     #[inline(always)]
-    fn take(&mut self, lane: usize, flock: &Flock, other: usize) {
-        self.point[0][lane] = flock.point[0][other];
-        self.point[1][lane] = flock.point[1][other];
-        set(&mut self.origin, lane, get(&flock.origin, other));
-        set(&mut self.travel, lane, get(&flock.travel, other));
-        self.slack[lane] = flock.slack[other];
-        for (entries, others) in self.map.iter_mut().zip(&flock.map) {
+    fn take(&mut self, lane: usize, rays: &LaneRays, other: usize) {
+        self.point[0][lane] = rays.point[0][other];
+        self.point[1][lane] = rays.point[1][other];
+        set(&mut self.origin, lane, get(&rays.origin, other));
+        set(&mut self.travel, lane, get(&rays.travel, other));
+        self.slack[lane] = rays.slack[other];
+        for (entries, others) in self.map.iter_mut().zip(&rays.map) {
             entries[lane] = others[other];
         }
-        self.bounces[lane] = flock.bounces[other];
-        self.index[lane] = flock.index[other];
-        self.distance[lane] = flock.distance[other];
-        set(&mut self.facet, lane, get(&flock.facet, other));
+        self.bounces[lane] = rays.bounces[other];
+        self.index[lane] = rays.index[other];
+        self.distance[lane] = rays.distance[other];
+        set(&mut self.facet, lane, get(&rays.facet, other));
     }
 
     /// Returns the ray of `lane`.
@@ -302,9 +302,9 @@ impl Flock {
     ///
     /// The state of a ray that ends otherwise is lost.
     #[inline(always)]
-    fn step(&mut self, flight: &Flight, faces: &Faces) -> Mask {
-        let drawn = self.drawn(flight);
-        let rules = flight.rules;
+    fn step(&mut self, batch: &RoughBatch, faces: &Faces) -> Mask {
+        let drawn = self.drawn(batch);
+        let rules = batch.rules;
         let total_only = rules.reflects_only_totally();
         let mut fates = [ON; LANES];
         for lane in 0..LANES {
@@ -380,11 +380,11 @@ impl Flock {
 
     /// Draws the normals that the rays meet on the facets ahead of them.
     #[inline(always)]
-    fn drawn(&self, flight: &Flight) -> [Reals; 3] {
+    fn drawn(&self, batch: &RoughBatch) -> [Reals; 3] {
         let facet = &self.facet;
-        let alpha = flight.roughness.alpha();
-        let slopes = flight.roughness.slopes();
-        let [a, b, c] = self.random(flight.stream);
+        let alpha = batch.roughness.alpha();
+        let slopes = batch.roughness.slopes();
+        let [a, b, c] = self.random(batch.stream);
         let mut drawn = [[0.0; LANES]; 3];
         if slopes == Slopes::Ggx {
             for lane in 0..LANES {

@@ -8,8 +8,8 @@
 
 use crate::cell::{PROGRAM_FACETS, SMALL};
 use crate::optics::{Ray, Triangle, triangle};
-use crate::rays::bvh::Hierarchy;
-use crate::rays::nearest::Nearest;
+use crate::rays::hierarchy::bvh::Hierarchy;
+use crate::rays::hierarchy::bvh::Nearest;
 use crate::rays::simd::fetch;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::{Cell, Entrance, Normals};
@@ -287,7 +287,7 @@ impl Scene {
     }
 
     /// Returns the hierarchy if rays can go down it together, which they cannot in a periodic cell.
-    pub(crate) fn for_bundles(&self) -> Option<&Hierarchy> {
+    pub(crate) fn for_groups(&self) -> Option<&Hierarchy> {
         let hierarchy = self.hierarchy.as_ref();
         hierarchy.filter(|_| self.walls.is_none())
     }

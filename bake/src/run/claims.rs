@@ -10,10 +10,10 @@ use std::fmt;
 use crate::cell::Prepared;
 use crate::error::Error;
 use crate::plan::Plan;
-use crate::run::beams::without_rays;
+use crate::run::bake::Progress;
+use crate::run::bake::without_rays;
 use crate::run::provenance::provenance;
 use crate::run::retrace::{again, is_blind_to_the_back};
-use crate::run::watch::Watch;
 use tables::options::{Losses, Method};
 use tables::{Provenance, Table};
 
@@ -105,7 +105,7 @@ pub fn claims(
     prepared: &Prepared,
     rays: u64,
     seed: u64,
-    watch: Watch<'_>,
+    progress: Progress<'_>,
 ) -> Result<Claims, Error> {
     let from = &table.provenance;
     let plan = again(table, prepared, rays, seed)?;
@@ -144,7 +144,7 @@ pub fn claims(
     if upright && losses.is(Losses::None) && *refractive_index > 1.0 {
         found.unchecked("refractive_index", "it changes nothing at normal incidence");
     }
-    if *refractive_index > 1.0 && is_blind_to_the_back(table, prepared, rays, seed, watch)? {
+    if *refractive_index > 1.0 && is_blind_to_the_back(table, prepared, rays, seed, progress)? {
         let why = "in these directions mirrors and total reflection give the same";
         found.unchecked("back", why);
     }

@@ -36,11 +36,11 @@ const ROUNDING: f64 = 1e-9;
 /// Comparison of two tables with equal axes, direction by direction.
 pub struct Comparison {
     /// Differences of the tables by direction, incidence slow, azimuth fast.
-    pub rows: Vec<Row>,
+    pub rows: Vec<Difference>,
 }
 
 /// Difference of two tables in one direction.
-pub struct Row {
+pub struct Difference {
     /// Incidence, degrees.
     pub incidence_deg: f64,
     /// Azimuth, degrees; NaN for the mean over all azimuths.
@@ -110,7 +110,7 @@ impl Comparison {
             let error = a.standard_error[[i, j]]
                 .hypot(b.standard_error[[i, j]])
                 .max(per_ray);
-            Row {
+            Difference {
                 incidence_deg: a.axes.incidence_deg[i],
                 azimuth_deg: a.axes.azimuth_deg[j],
                 l1: difference.sum(),
@@ -129,16 +129,16 @@ impl Comparison {
 
     /// Returns whether the two tables agree in every direction.
     ///
-    /// [`Row::agrees`] says what that means.
+    /// [`Difference::agrees`] says what that means.
     pub fn agrees(&self) -> bool {
-        self.rows.iter().all(Row::agrees)
+        self.rows.iter().all(Difference::agrees)
     }
 }
 
-impl Row {
+impl Difference {
     /// Returns whether the two tables agree in this direction.
     ///
-    /// They agree if [`Row::counted`] is at most 1, the exit directions are within
+    /// They agree if [`Difference::counted`] is at most 1, the exit directions are within
     /// [`ExitGap::limit`], and polygons agree to 1e-9.
     pub fn agrees(&self) -> bool {
         self.counted <= 1.0

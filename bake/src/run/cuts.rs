@@ -14,14 +14,14 @@ use crate::geometry::{Polygon, polygon};
 use crate::run::paths::{MOST_PAIRED, SAME};
 
 /// Polygons of both tables that share a map, a weight and a deviation.
-struct Group<'a> {
+struct PathGroup<'a> {
     /// First of the paths, which stands for the map of all.
     first: &'a Path,
-    pieces: Vec<Piece>,
+    pieces: Vec<SignedPolygon>,
 }
 
 /// Convex polygon of the entrance.
-struct Piece {
+struct SignedPolygon {
     /// 1 for the first table, -1 for the second.
     sign: f64,
     corners: Polygon,
@@ -40,18 +40,18 @@ pub(crate) fn uncut(a: &[Path], b: &[Path]) -> f64 {
     if a.len().max(b.len()) > MOST_PAIRED {
         return f64::INFINITY;
     }
-    let mut groups: Vec<Group<'_>> = Vec::new();
+    let mut groups: Vec<PathGroup<'_>> = Vec::new();
     let mut outline = 0.0;
     for (paths, sign) in [(a, 1.0), (b, -1.0)] {
         for path in paths {
             let corners: Polygon = path.polygon.iter().map(|&corner| corner.into()).collect();
             outline += length(&corners);
             let pieces = polygon::convex_parts(&corners).into_iter();
-            let pieces = pieces.map(|corners| Piece::new(sign, corners));
+            let pieces = pieces.map(|corners| SignedPolygon::new(sign, corners));
             if let Some(own) = groups.iter_mut().find(|group| same(group.first, path)) {
                 own.pieces.extend(pieces);
             } else {
-                groups.push(Group {
+                groups.push(PathGroup {
                     first: path,
                     pieces: pieces.collect(),
                 });
@@ -66,10 +66,10 @@ pub(crate) fn uncut(a: &[Path], b: &[Path]) -> f64 {
     }
 }
 
-impl Piece {
+impl SignedPolygon {
     fn new(sign: f64, corners: Polygon) -> Self {
         let (low, high) = polygon::bounds(&corners);
-        Piece {
+        SignedPolygon {
             sign,
             corners,
             low,
@@ -78,7 +78,7 @@ impl Piece {
     }
 
     /// Returns the area that both polygons cover.
-    fn shared(&self, other: &Piece) -> f64 {
+    fn shared(&self, other: &SignedPolygon) -> f64 {
         if self.low.cmpge(other.high).any() || other.low.cmpge(self.high).any() {
             return 0.0;
         }
@@ -103,8 +103,8 @@ fn same(p: &Path, q: &Path) -> bool {
 /// Returns the area that the polygons of one table cover and those of the other do not.
 ///
 /// A region that one table covers n times more often than the other counts n^2 times.
-fn differing(pieces: &[Piece]) -> f64 {
-    let one = |(k, piece): (usize, &Piece)| {
+fn differing(pieces: &[SignedPolygon]) -> f64 {
+    let one = |(k, piece): (usize, &SignedPolygon)| {
         let own = polygon::area(&piece.corners);
         let others = pieces[..k].iter();
         let shared = others.map(|other| piece.sign * other.sign * piece.shared(other));

@@ -13,9 +13,8 @@ use crate::cell::ExactCell;
 use crate::error::Error;
 use crate::plan::default;
 use crate::run::bake::Bake;
-use crate::run::between::Between;
-use crate::run::trial::{self, OPEN};
-use crate::run::watch::Watch;
+use crate::run::bake::Progress;
+use crate::run::between::{Between, OPEN, error_at};
 use crate::samples::Stream;
 use rayon::prelude::*;
 use tables::cli::pool;
@@ -41,15 +40,15 @@ const MOST_DIRECTIONS: usize = 1000;
 ///
 /// # Errors
 /// Returns an [`Error`] if the greatest number of directions is too few, for example because the
-/// distribution jumps, if the threads cannot be started, or if `watch` stopped the search.
+/// distribution jumps, if the threads cannot be started, or if the caller stopped the search.
 pub(crate) fn choose(
     bake: &Bake,
     exact: &ExactCell,
     tolerance: f64,
-    watch: Watch<'_>,
+    progress: Progress<'_>,
 ) -> Result<(Axes, Option<Between>), Error> {
     let mut search = Search::new(bake, exact, tolerance);
-    let largest = pool(bake.plan.threads)?.install(|| search.refine(watch))?;
+    let largest = pool(bake.plan.threads)?.install(|| search.refine(progress))?;
     Ok((search.axes(bake.axes.bins), largest))
 }
 
@@ -123,9 +122,9 @@ impl<'a> Search<'a> {
 
     /// Halves gaps until all directions that are tried are within the aim. Returns the largest
     /// error of the last trials, or `None` if there is one direction only.
-    fn refine(&mut self, watch: Watch<'_>) -> Result<Option<Between>, Error> {
+    fn refine(&mut self, progress: Progress<'_>) -> Result<Option<Between>, Error> {
         loop {
-            if watch.is_stopped() {
+            if progress.is_stopped() {
                 return Err(Error::Stopped);
             }
             // Only polygons are interpolated, so one bin is enough for the table.
@@ -133,7 +132,7 @@ impl<'a> Search<'a> {
                 axes: self.axes(1),
                 ..self.bake.clone()
             };
-            let table = bake.beams(self.exact, Watch::none())?;
+            let table = bake.beams(self.exact, Progress::none())?;
             let mut found = self.errors(&table, self.middles());
             if worst(&found) <= self.aim {
                 found.extend(self.errors(&table, self.random()));
@@ -213,7 +212,7 @@ impl<'a> Search<'a> {
     fn errors(&self, table: &Table, probes: Vec<Probe>) -> Vec<(f64, Probe)> {
         let error = |probe: Probe| {
             let (incidence, azimuth) = (probe.incidence_deg, probe.azimuth_deg);
-            let found = trial::error(self.exact, &self.bake.rules, table, incidence, azimuth);
+            let found = error_at(self.exact, &self.bake.rules, table, incidence, azimuth);
             (found, probe)
         };
         probes.into_par_iter().map(error).collect()
@@ -323,7 +322,7 @@ mod tests {
         let plan = Plan::new(&Request::default()).expect("a valid request");
         let prepared = Prepared::new(cell.expect("a cell"));
         let exact = prepared.exact().expect("planar");
-        let bake = Bake::new(&prepared, &plan).expect("a bake");
+        let bake = Bake::new(&prepared, &plan, Progress::none()).expect("a bake");
         let mut search = Search::new(&bake, exact, 0.02);
         search.incidences = (0..=MOST_DIRECTIONS).map(|k| 0.04 * k as f64).collect();
         search.azimuths = vec![0.0];

@@ -1,13 +1,11 @@
 //! The bake: a prepared cell and a plan become a table, on all threads and ranks.
 //!
-//! [`trace::trace`] does the whole bake. [`retrace::retrace`] checks the numbers of a table against
-//! its mesh, [`claims::claims`] what it says about its bake. [`comparison::Comparison`] compares two
-//! tables. A [`watch::Watch`] is told the progress and can stop the bake. This room may touch
-//! `rays`, `beams` and all below. It prints nothing. Only its file `saves` knows the disk, and only
-//! `world` knows MPI.
+//! [`bake::trace`] does the whole bake. [`retrace::retrace`] checks the numbers of a table against
+//! its mesh, [`claims::claims`] what it says about its bake. [`comparison::Comparison`] compares
+//! two tables. A [`bake::Progress`] is told the rays done and can stop the bake. Nothing is
+//! printed. Only the file `saves` knows the disk, and only `world` knows MPI.
 
 mod bake;
-mod beams;
 mod between;
 mod claims;
 mod comparison;
@@ -17,28 +15,23 @@ mod exits;
 mod paths;
 mod provenance;
 mod ranks;
+pub(crate) mod remarks;
 mod retrace;
 mod rounds;
 pub(crate) mod saves;
-pub(crate) mod start;
-mod trace;
-mod trial;
-mod watch;
 mod work;
 #[cfg(feature = "mpi")]
 mod world;
 
-pub(crate) use bake::Bake;
+pub(crate) use bake::{Bake, Baked};
+pub use bake::{Progress, trace};
 pub(crate) use between::Between;
 pub use claims::{Claims, Contradiction, Unchecked, claims};
-pub use comparison::{Comparison, Row};
+pub use comparison::{Comparison, Difference};
 pub use exits::ExitGap;
 pub use paths::{Forged, consistent};
 #[cfg(test)]
 pub(crate) use ranks::Alone;
-pub(crate) use ranks::Ranks;
+pub(crate) use ranks::{Launched, Ranks, agreed, start};
 pub use retrace::{error_between, rebake, retrace};
 pub(crate) use saves::{SavedFile, Saves};
-pub(crate) use start::Launched;
-pub use trace::trace;
-pub use watch::Watch;

@@ -6,11 +6,11 @@ use crate::error::Error;
 use crate::optics::Backing;
 use crate::plan::{Plan, Request};
 use crate::run::bake::Bake;
+use crate::run::bake::Progress;
+use crate::run::bake::trace;
+use crate::run::between::error_at;
 use crate::run::comparison::Comparison;
 use crate::run::provenance::{Stated, stated};
-use crate::run::trace::trace;
-use crate::run::trial;
-use crate::run::watch::Watch;
 use crate::samples::{Stream, centred};
 use rayon::prelude::*;
 use tables::options::{Back, Losses, Method, Sampler};
@@ -38,15 +38,15 @@ const TRIED: u64 = 500;
 /// baked by, so their counting error is known.
 ///
 /// # Errors
-/// Returns [`Error::Stated`] if the table was baked with options that this version does not know, if
-/// no bake takes them, or if the mesh lacks its symmetry; other errors if the rays cannot be traced
-/// or `watch` stopped them.
+/// Returns [`Error::Stated`] if the table was baked with options that this version does not know,
+/// if no bake takes them, or if the mesh lacks its symmetry; other errors if the rays cannot be
+/// traced or the caller stopped them.
 pub fn retrace(
     table: &Table,
     prepared: &Prepared,
     rays: u64,
     seed: u64,
-    watch: Watch<'_>,
+    progress: Progress<'_>,
 ) -> Result<Comparison, Error> {
     let (incidences, azimuths) = table.axes.shape();
     let plan = again(table, prepared, rays, seed)?;
@@ -56,11 +56,11 @@ pub fn retrace(
             axes: part.axes.clone(),
             ..plan
         };
-        return Ok(Comparison::of(&part, &trace(prepared, &plan, watch)?));
+        return Ok(Comparison::of(&part, &trace(prepared, &plan, progress)?));
     }
     let shared = WHOLE.saturating_mul(rays) / (incidences * azimuths).max(1) as u64;
     let plan = again(table, prepared, shared.clamp(rays.min(FEWEST), rays), seed)?;
-    Ok(Comparison::of(table, &trace(prepared, &plan, watch)?))
+    Ok(Comparison::of(table, &trace(prepared, &plan, progress)?))
 }
 
 /// Makes the exact bake of a table in all its directions, and returns the comparison; of a table
@@ -74,13 +74,13 @@ pub fn retrace(
 pub fn rebake(
     table: &Table,
     prepared: &Prepared,
-    watch: Watch<'_>,
+    progress: Progress<'_>,
 ) -> Result<Option<Comparison>, Error> {
     let plan = again(table, prepared, 1, 0)?;
     if !is_exact(&plan, prepared) {
         return Ok(None);
     }
-    let baked = trace(prepared, &exactly(plan), watch)?;
+    let baked = trace(prepared, &exactly(plan), progress)?;
     Ok(Some(Comparison::of(table, &baked)))
 }
 
@@ -100,7 +100,7 @@ pub fn error_between(table: &Table, prepared: &Prepared, seed: u64) -> Result<Op
     if !is_exact(&plan, prepared) {
         return Ok(Some(f64::INFINITY));
     }
-    let bake = Bake::new(prepared, &plan)?;
+    let bake = Bake::new(prepared, &plan, Progress::none())?;
     let Some(exact) = bake.exact else {
         return Ok(Some(f64::INFINITY));
     };
@@ -119,7 +119,7 @@ pub fn error_between(table: &Table, prepared: &Prepared, seed: u64) -> Result<Op
             true => 360.0 * share(b),
             false => between(&axes.azimuth_deg, b),
         };
-        trial::error(exact, &bake.rules, table, incidence, azimuth)
+        error_at(exact, &bake.rules, table, incidence, azimuth)
     };
     Ok(Some(
         (0..TRIED)
@@ -152,7 +152,7 @@ pub(crate) fn is_blind_to_the_back(
     prepared: &Prepared,
     rays: u64,
     seed: u64,
-    watch: Watch<'_>,
+    progress: Progress<'_>,
 ) -> Result<bool, Error> {
     let plan = again(table, prepared, rays, seed)?;
     if plan.losses.is_some() || plan.scene.glass_index.is_some() {
@@ -172,7 +172,7 @@ pub(crate) fn is_blind_to_the_back(
         method: if exact { Method::Exact } else { Method::Rays },
         ..plan
     };
-    Ok(Comparison::of(&part, &trace(prepared, &plan, watch)?).agrees())
+    Ok(Comparison::of(&part, &trace(prepared, &plan, progress)?).agrees())
 }
 
 /// Returns some directions of a table, chosen by `seed`.

@@ -4,7 +4,8 @@
 
 use crate::error::Error;
 use crate::plan::{RAYS_PER_RANDOMISATION, Shard};
-use crate::rays::{Kernel, Sums, lanes};
+use crate::rays::programs::lanes;
+use crate::rays::{Kernel, Sums};
 use crate::run::ranks::Ranks;
 use crate::run::saves::Saves;
 use crate::run::work::{DirectionSums, Run, Work};
@@ -100,7 +101,7 @@ impl Pace {
         };
         // So does sorting by facet: there whole runs are traced.
         let mut scenes = work.sheet.scenes.iter();
-        let large = scenes.any(|scene| scene.is_large() || scene.for_bundles().is_some());
+        let large = scenes.any(|scene| scene.is_large() || scene.for_groups().is_some());
         // One run for each thread of all ranks; every rank takes the number of threads of rank 0.
         let mut threads = [work.pool.current_num_threads() as u64];
         ranks.follow(&mut threads);
@@ -203,7 +204,7 @@ impl Rounds<'_, '_> {
             if !same {
                 return Err(other_bake());
             }
-            self.work.watch.tell(saved.rays.sum());
+            self.work.progress.tell(saved.rays.sum());
             for (direction, sums) in self.work.directions.iter().zip(Sums::of_table(&saved)) {
                 *direction.sums() = sums;
             }
@@ -217,7 +218,7 @@ impl Rounds<'_, '_> {
     /// Traces `rays` rays of every direction.
     ///
     /// # Errors
-    /// Returns an [`Error`] if the saved state has more rays than that, if the watch stopped the
+    /// Returns an [`Error`] if the saved state has more rays than that, if the caller stopped the
     /// bake, or if the exit directions take too much memory.
     pub(crate) fn all(&mut self, rays: u64) -> Result<(), Error> {
         let plan = self.work.bake.plan;
@@ -242,7 +243,7 @@ impl Rounds<'_, '_> {
     ///
     /// # Errors
     /// Returns an [`Error`] if a direction has an error above `tolerance` after the most rays
-    /// possible, if the watch stopped the bake, or if the exit directions take too much memory.
+    /// possible, if the caller stopped the bake, or if the exit directions take too much memory.
     pub(crate) fn until(&mut self, tolerance: f64) -> Result<(), Error> {
         let mut open: Vec<usize> = (0..self.work.directions.len()).collect();
         let mut samples = FIRST_ROUND;
@@ -311,7 +312,7 @@ impl Rounds<'_, '_> {
                 let begun = Instant::now();
                 let (number, count) = (ranks.number(), ranks.count());
                 work.pool.install(|| work.trace(&runs, number, count));
-                if work.watch.is_stopped() {
+                if work.progress.is_stopped() {
                     return Err(Error::Stopped);
                 }
                 work.fits()?;

@@ -3,9 +3,9 @@
 //! The sums are integers, so the number of threads or ranks has no effect on them.
 
 use crate::error::Error;
-use crate::rays::{Bins, Index, Kernel, Part, Sheet, Sums, Tally};
+use crate::rays::{Accumulator, Bins, Index, Kernel, SampleRange, Sheet, Sums};
 use crate::run::bake::Bake;
-use crate::run::watch::Watch;
+use crate::run::bake::Progress;
 use crate::samples::Stream;
 use ndarray::{Array4, Array5};
 use rayon::prelude::*;
@@ -90,8 +90,8 @@ pub(crate) struct Work<'a> {
     pub exits: Option<Grid>,
     /// Sums of all directions, incidence slow, azimuth fast.
     pub directions: Vec<DirectionSums>,
-    /// Watch of the caller.
-    pub watch: Watch<'a>,
+    /// Progress that the caller sees.
+    pub progress: Progress<'a>,
     /// Threads that trace the runs.
     pub pool: rayon::ThreadPool,
 }
@@ -101,7 +101,7 @@ impl<'a> Work<'a> {
     ///
     /// # Errors
     /// Returns an [`Error`] if the threads cannot be started.
-    pub(crate) fn new(bake: &'a Bake<'a>, watch: Watch<'a>) -> Result<Self, Error> {
+    pub(crate) fn new(bake: &'a Bake<'a>, progress: Progress<'a>) -> Result<Self, Error> {
         let bins = Bins::new(bake.axes.bins, bake.axes.range);
         Ok(Work {
             bake,
@@ -109,7 +109,7 @@ impl<'a> Work<'a> {
             bins,
             exits: bake.plan.deviations(bake.prepared),
             directions: DirectionSums::all(bake, &bins),
-            watch,
+            progress,
             pool: pool(bake.plan.threads)?,
         })
     }
@@ -121,29 +121,29 @@ impl<'a> Work<'a> {
         let mine = |(i, run)| (i % count == number).then_some(run);
         let own: Vec<&Run> = runs.iter().enumerate().filter_map(mine).collect();
         own.par_iter()
-            .for_each_init(Vec::new, |tallies: &mut Vec<Tally>, run| {
-                if self.watch.is_stopped() {
+            .for_each_init(Vec::new, |accumulators: &mut Vec<Accumulator>, run| {
+                if self.progress.is_stopped() {
                     return;
                 }
                 let count = run.samples.len();
-                if tallies.len() < count {
-                    tallies.resize_with(count, || Tally::new(&self.bins));
+                if accumulators.len() < count {
+                    accumulators.resize_with(count, || Accumulator::new(&self.bins));
                 }
-                let tallies = &mut tallies[..count];
-                tallies.iter_mut().for_each(Tally::clear);
-                let part = |(randomisation, samples): &(usize, Range<u64>)| Part {
+                let accumulators = &mut accumulators[..count];
+                accumulators.iter_mut().for_each(Accumulator::clear);
+                let part = |(randomisation, samples): &(usize, Range<u64>)| SampleRange {
                     stream: run.direction.streams[*randomisation],
                     samples: samples.clone(),
                 };
-                let parts: Vec<Part> = run.samples.iter().map(part).collect();
-                run.kernel.trace_parts(&parts, tallies);
-                for ((randomisation, _), tally) in run.samples.iter().zip(tallies) {
-                    let exits = tally.take_exits();
+                let parts: Vec<SampleRange> = run.samples.iter().map(part).collect();
+                run.kernel.trace_parts(&parts, accumulators);
+                for ((randomisation, _), accumulator) in run.samples.iter().zip(accumulators) {
+                    let exits = accumulator.take_exits();
                     let mut sums = run.direction.sums();
-                    sums.add(*randomisation, tally);
+                    sums.add(*randomisation, accumulator);
                     sums.add_exits(&exits);
                 }
-                self.watch.tell(run.rays());
+                self.progress.tell(run.rays());
             });
         let others = runs.iter().enumerate().filter(|(i, _)| i % count != number);
         for (_, run) in others {
@@ -151,7 +151,7 @@ impl<'a> Work<'a> {
             for (randomisation, samples) in &run.samples {
                 launched[*randomisation] += samples.end - samples.start;
             }
-            self.watch.tell(run.rays());
+            self.progress.tell(run.rays());
         }
     }
 

@@ -1,7 +1,7 @@
 //! The starts of rays: the points of a sequence, and the points of the entrance that they become.
 //!
 //! A seed, a direction and an index enter. Coordinates of the unit square and points of the
-//! entrance leave. The same index gives the same point in every run. This room touches no other.
+//! entrance leave. The same index gives the same point in every run.
 
 mod launch;
 mod sequence;

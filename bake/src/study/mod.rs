@@ -2,8 +2,7 @@
 //! the exact table.
 //!
 //! A request and a cell enter. Measured points and fitted slopes leave, and their report as text,
-//! CSV, JSON or a picture. This room may touch `run`, `plots` and all rooms below, and writes no
-//! file.
+//! CSV, JSON or a picture. No file is written here.
 
 mod fit;
 pub(crate) mod picture;
@@ -13,4 +12,4 @@ pub(crate) mod study;
 pub use fit::{Reached, Slope};
 #[cfg(test)]
 pub(crate) use report::expected_exponent;
-pub use study::{Point, Reference, Series, Study, StudyPlan, StudyRequest};
+pub use study::{Reference, Series, Study, StudyPlan, StudyPoint, StudyRequest};

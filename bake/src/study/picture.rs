@@ -2,7 +2,7 @@
 
 use crate::rays::Tracer;
 use crate::study::report::{slope_text, title};
-use crate::study::study::{Point, Reference, Series, Study};
+use crate::study::study::{Reference, Series, Study, StudyPoint};
 use charts::{Axis, Curve, Dash, Facet, Figure, HUES, Marks, Stroke};
 use tables::options::Sampler;
 
@@ -54,7 +54,7 @@ fn facet(
     study: &Study,
     head: &str,
     names: [&str; 2],
-    coordinates: fn(&Point) -> [f64; 2],
+    coordinates: fn(&StudyPoint) -> [f64; 2],
     also: Option<f64>,
 ) -> Facet {
     let curve = |series: &Series| {

@@ -1,7 +1,7 @@
 //! Reports of a study: text for a person, CSV and JSON for a script.
 
 use crate::study::fit::Reached;
-use crate::study::study::{Point, Reference, Series, Study, name};
+use crate::study::study::{Reference, Series, Study, StudyPoint, name};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use tables::options::Sampler;
@@ -184,7 +184,7 @@ pub(crate) fn json(study: &Study) -> String {
             "reason": refusal,
         }),
     };
-    let point = |point: &Point| {
+    let point = |point: &StudyPoint| {
         json!({
             "rays": point.rays, "seconds": point.seconds,
             "l1": point.l1, "worst_l1": point.worst_l1,

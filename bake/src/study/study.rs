@@ -15,7 +15,7 @@ use crate::cell::Prepared;
 use crate::plan;
 use crate::plan::{Plan, request};
 use crate::rays::{Bins, Index, Kernel, Sheet, Tracer};
-use crate::run::{Bake, Watch, trace};
+use crate::run::{Bake, Progress, trace};
 use crate::study::fit::{Reached, Slope};
 use meshes::Cell;
 use std::time::Instant;
@@ -93,7 +93,7 @@ pub enum Reference {
 
 /// Measurement of the bakes of one number of rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub struct StudyPoint {
     /// Rays per direction.
     pub rays: u64,
     /// Median time of the bake, seconds.
@@ -114,7 +114,7 @@ pub struct Point {
     pub rays_per_bin: f64,
 }
 
-impl Point {
+impl StudyPoint {
     /// Returns the true error over the estimated error; NaN if nothing returned.
     pub fn ratio(&self) -> f64 {
         self.l1 / self.estimated_l1
@@ -129,7 +129,7 @@ pub struct Series {
     /// Sampler of the rays.
     pub sampler: Sampler,
     /// Measurements, in ascending numbers of rays.
-    pub points: Vec<Point>,
+    pub points: Vec<StudyPoint>,
     /// Power law of `l1` against rays; `None` if fewer than two points can be used.
     ///
     /// A point is used if it has enough rays per bin and its error is well above the reference's.
@@ -256,7 +256,7 @@ impl StudyPlan {
         let mut series = Vec::new();
         for tracer in tracers {
             for sampler in [Sampler::Random, Sampler::Sobol] {
-                let mut points: Vec<Point> = Vec::new();
+                let mut points: Vec<StudyPoint> = Vec::new();
                 for &rays in &self.counts {
                     let expected = points.last().map_or(0.0, |point| 4.0 * point.seconds);
                     if expected > self.request.longest_seconds {
@@ -270,7 +270,7 @@ impl StudyPlan {
                     );
                     points.push(self.point(cell, &table, tracer, sampler, rays)?);
                 }
-                let usable = |point: &&Point| {
+                let usable = |point: &&StudyPoint| {
                     point.rays_per_bin >= RAYS_PER_BIN && point.l1 > ABOVE_REFERENCE * floor
                 };
                 let dense: Vec<[f64; 2]> = points
@@ -346,7 +346,7 @@ impl StudyPlan {
         tracer: Tracer,
         sampler: Sampler,
         rays: u64,
-    ) -> Result<Point, Error> {
+    ) -> Result<StudyPoint, Error> {
         let repeats = self.request.repeats;
         let mut seconds = Vec::with_capacity(repeats);
         let mut errors = vec![0.0; reference.retroreflected.len()];
@@ -356,9 +356,9 @@ impl StudyPlan {
             let plan = self.plan(sampler, rays, repeat)?;
             let start = Instant::now();
             let prepared = Prepared::new(cell.clone());
-            let table = Bake::new(&prepared, &plan)?
+            let table = Bake::new(&prepared, &plan, Progress::none())?
                 .by(tracer)
-                .table(Watch::none())?;
+                .table(Progress::none())?;
             seconds.push(start.elapsed().as_secs_f64());
             let share = 1.0 / repeats as f64;
             let distances = tables::l1(&table, reference);
@@ -371,7 +371,7 @@ impl StudyPlan {
             worst_estimated_l1 += estimates.into_iter().fold(0.0, f64::max) * share;
             rays_per_bin = rays_per_bin.min(density(&table));
         }
-        Ok(Point {
+        Ok(StudyPoint {
             rays,
             seconds: fit::median(&mut seconds),
             l1: errors.iter().sum::<f64>() / errors.len() as f64,
@@ -385,7 +385,7 @@ impl StudyPlan {
 
 /// Bakes a cell, which is dissected anew because the measured seconds include that.
 fn bake(cell: &Cell, plan: &Plan) -> Result<Table, Error> {
-    trace(&Prepared::new(cell.clone()), plan, Watch::none())
+    trace(&Prepared::new(cell.clone()), plan, Progress::none())
 }
 
 /// Returns the name of a tracer in reports.

@@ -6,7 +6,7 @@ use crate::tests::cells;
 
 use crate::beams::spread;
 use crate::plan::{Plan, Request};
-use crate::run::Bake;
+use crate::run::{Bake, Progress};
 use crate::tests::bakes::bake;
 use meshes::Cell;
 use meshes::design::{Design, Shape};
@@ -99,7 +99,7 @@ fn stretched(stretch: [f64; 3]) -> Cell {
 }
 
 /// Sums of all paths of one direction that share a map and a deviation.
-struct Spot {
+struct PathSum {
     matrix: [[f64; 2]; 2],
     offset: [f64; 2],
     deviation: [f64; 2],
@@ -107,10 +107,10 @@ struct Spot {
     moments: [f64; 3],
 }
 
-impl Spot {
+impl PathSum {
     /// Returns the largest difference of two spots in all their numbers.
-    fn apart(&self, other: &Spot) -> f64 {
-        let all = |spot: &Spot| {
+    fn apart(&self, other: &PathSum) -> f64 {
+        let all = |spot: &PathSum| {
             let [[a, b], [c, d]] = spot.matrix;
             let ([e, f], [g, h]) = (spot.offset, spot.deviation);
             let [i, j, k] = spot.moments;
@@ -122,8 +122,8 @@ impl Spot {
 }
 
 /// Adds up the paths that share a map, however their light is cut into polygons.
-fn spots(paths: &[tables::Path]) -> Vec<Spot> {
-    let mut spots: Vec<Spot> = Vec::new();
+fn spots(paths: &[tables::Path]) -> Vec<PathSum> {
+    let mut spots: Vec<PathSum> = Vec::new();
     for path in paths {
         let mut moments = [0.0; 3];
         let ends = path.polygon.iter().zip(path.polygon.iter().cycle().skip(1));
@@ -135,7 +135,7 @@ fn spots(paths: &[tables::Path]) -> Vec<Spot> {
             }
         }
         // The map of a facet sequence is computed once, so equal maps are equal to the last bit.
-        let same = |spot: &&mut Spot| {
+        let same = |spot: &&mut PathSum| {
             (spot.matrix, spot.offset, spot.deviation) == (path.matrix, path.offset, path.deviation)
         };
         match spots.iter_mut().find(same) {
@@ -144,7 +144,7 @@ fn spots(paths: &[tables::Path]) -> Vec<Spot> {
                     *sum += part;
                 }
             }
-            None => spots.push(Spot {
+            None => spots.push(PathSum {
                 matrix: path.matrix,
                 offset: path.offset,
                 deviation: path.deviation,
@@ -416,7 +416,9 @@ fn a_jump_is_said() {
     };
     let plan = Plan::new(&request).unwrap();
     let prepared = bakes::prepared(&cell);
-    let error = Bake::new(&prepared, &plan).unwrap_err().to_string();
+    let error = Bake::new(&prepared, &plan, Progress::none())
+        .unwrap_err()
+        .to_string();
     assert!(
         error.contains("still") && error.contains("at incidence"),
         "{error}"
@@ -427,7 +429,7 @@ fn a_jump_is_said() {
         ..request
     };
     let plan = Plan::new(&request).unwrap();
-    let baked = Bake::new(&prepared, &plan).unwrap();
+    let baked = Bake::new(&prepared, &plan, Progress::none()).unwrap();
     assert_eq!(baked.symmetry, prepared.symmetry());
-    assert!(baked.axes().shape().0 <= 3, "{:?}", baked.axes());
+    assert!(baked.axes.shape().0 <= 3, "{:?}", baked.axes);
 }

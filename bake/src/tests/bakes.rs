@@ -4,8 +4,8 @@ use crate::cell::{ExactCell, Kind, Prepared, Whole};
 use crate::error::Error;
 use crate::optics::Rules;
 use crate::plan::{Plan, Request, default};
-use crate::rays::{Bins, Kernel, Tally, Tracer};
-use crate::run::{Bake, Watch, trace};
+use crate::rays::{Accumulator, Bins, Kernel, Tracer};
+use crate::run::{Bake, Progress, trace};
 use crate::samples::Stream;
 use meshes::Cell;
 use std::ops::Range;
@@ -20,7 +20,7 @@ pub(crate) fn asked(line: &str) -> Request {
 
 /// Bakes the table of a cell by the method that the plan names.
 pub(crate) fn bake(cell: &Cell, plan: &Plan) -> Result<Table, Error> {
-    trace(&prepared(cell), plan, Watch::none())
+    trace(&prepared(cell), plan, Progress::none())
 }
 
 /// Bakes the table of a cell by rays, whatever method the plan names.
@@ -35,13 +35,20 @@ pub(crate) fn rays_by(tracer: Tracer, cell: &Cell, plan: &Plan) -> Result<Table,
         ..plan.clone()
     };
     let prepared = prepared(cell);
-    Bake::new(&prepared, &plan)?.by(tracer).table(Watch::none())
+    Bake::new(&prepared, &plan, Progress::none())?
+        .by(tracer)
+        .table(Progress::none())
 }
 
 /// Traces `samples` as the kernel does and one by one; panics unless every count is the same.
 #[track_caller]
-pub(crate) fn compare(kernel: &Kernel, bins: &Bins, stream: &Stream, samples: Range<u64>) -> Tally {
-    let (mut fast, mut plain) = (Tally::new(bins), Tally::new(bins));
+pub(crate) fn compare(
+    kernel: &Kernel,
+    bins: &Bins,
+    stream: &Stream,
+    samples: Range<u64>,
+) -> Accumulator {
+    let (mut fast, mut plain) = (Accumulator::new(bins), Accumulator::new(bins));
     kernel.trace(stream, samples.clone(), &mut fast);
     kernel.trace_one_by_one(stream, samples.clone(), &mut plain);
     assert_eq!(fast.take_exits(), plain.take_exits());

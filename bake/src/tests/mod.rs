@@ -5,7 +5,6 @@
 
 mod azimuth;
 mod bakes;
-mod bounces;
 mod cells;
 mod closed_form;
 mod curved;
@@ -13,13 +12,9 @@ mod determinism;
 mod deviations;
 mod elements;
 mod exact;
-mod flights;
 mod hard_cases;
-mod index;
-mod kernels;
-mod leaks;
 mod ranks;
+mod rays;
 mod roughness;
 mod study;
-mod ten_million;
 mod trapped;

@@ -6,7 +6,7 @@ use crate::tests::bakes::asked;
 use crate::tests::cells;
 
 use crate::plan::{Plan, Request};
-use crate::run::{Alone, Bake, Ranks, Saves, Watch};
+use crate::run::{Alone, Bake, Progress, Ranks, Saves};
 use crate::tests::bakes;
 use crate::tests::bakes::rays;
 use meshes::Cell;
@@ -78,7 +78,9 @@ fn bake_from(
     ranks: &dyn Ranks,
 ) -> Result<Option<Table>, Error> {
     let prepared = bakes::prepared(cell);
-    Bake::new(&prepared, plan)?.table_from(Watch::none(), saves, ranks)
+    let progress = Progress::none();
+    let baked = Bake::new(&prepared, plan, progress)?.run(progress, saves, ranks)?;
+    Ok(baked.map(|baked| baked.table))
 }
 
 /// Makes a plan with one thread a rank.

@@ -6,7 +6,7 @@ use crate::tests::cells;
 
 use crate::optics::{Incidence, Rules, deviation};
 use crate::plan::{Plan, Request};
-use crate::rays::{Index, Luck, Outcome, Scene, Tracer, trace};
+use crate::rays::{Index, Outcome, RandomNumbers, Scene, Tracer, trace};
 use crate::samples::Stream;
 use crate::tests::bakes;
 use glam::{DMat2, DMat3, DVec2, DVec3};
@@ -204,11 +204,11 @@ fn exit_directions_spread_as_three_facets_do() {
             assert!(points.len() >= 4, "{incidence} {azimuth}: {points:?}");
             for (order, point) in points {
                 let samples = (0..RAYS).map(|sample| {
-                    let luck = Luck {
+                    let random = RandomNumbers {
                         chance: 0.5,
                         sample: (stream(cases), sample),
                     };
-                    trace(&scene, &rules, &light, point, luck)
+                    trace(&scene, &rules, &light, point, random)
                 });
                 let inside = |way: DVec3| {
                     let flat = light.to_frame(way.truncate());

@@ -3,8 +3,8 @@
 use crate::plan::Request;
 use crate::rays::Tracer;
 use crate::study::{
-    Point, Reached, Reference, Series, Study, StudyPlan, StudyRequest, expected_exponent, picture,
-    report,
+    Reached, Reference, Series, Study, StudyPlan, StudyPoint, StudyRequest, expected_exponent,
+    picture, report,
 };
 use crate::tests::bakes::asked;
 use crate::tests::cells::designed;
@@ -183,7 +183,7 @@ fn no_text_of_a_picture_is_cut_or_covered() {
     let mut cases = 0;
     for points in &measured {
         for seconds in [1e-7, 2.0, 1e6] {
-            let point = |&[rays, time]: &[u64; 2]| Point {
+            let point = |&[rays, time]: &[u64; 2]| StudyPoint {
                 rays,
                 seconds: seconds * time as f64,
                 l1: time as f64 / rays as f64,

@@ -49,7 +49,12 @@ impl Slab {
 
     /// Returns the nearest facet ahead. All copies are looked at that lie beside the way of the ray
     /// and at most 40 periods away. Light that goes farther runs within a degree of the sheet.
-    fn nearest(&self, from: DVec3, toward: DVec3, left: Option<(usize, [i32; 2])>) -> Option<Met> {
+    fn nearest(
+        &self,
+        from: DVec3,
+        toward: DVec3,
+        left: Option<(usize, [i32; 2])>,
+    ) -> Option<OracleHit> {
         const REACH: i32 = 40;
         /// No facet is farther than this from the corner of its period, edge lengths.
         const SIZE: f64 = 3.0;
@@ -60,7 +65,7 @@ impl Slab {
             at(here.perp_dot(b) / a.perp_dot(b)),
             at(a.perp_dot(here) / a.perp_dot(b)),
         );
-        let mut nearest: Option<Met> = None;
+        let mut nearest: Option<OracleHit> = None;
         for i in i - REACH..=i + REACH {
             for j in j - REACH..=j + REACH {
                 let moved = (f64::from(i) * a + f64::from(j) * b).extend(0.0);
@@ -81,7 +86,7 @@ impl Slab {
                         .all(|(s, t)| normal.dot((t - s).cross(x - s)) >= 0.0);
                     let is_nearer = nearest.is_none_or(|met| distance < met.distance);
                     if distance > -1e-12 && normal.dot(toward) < 0.0 && inside && is_nearer {
-                        nearest = Some(Met {
+                        nearest = Some(OracleHit {
                             distance,
                             normal,
                             facet: (number, [i, j]),
@@ -133,7 +138,7 @@ impl Slab {
 
 /// Facet that a ray of the oracle meets.
 #[derive(Clone, Copy)]
-struct Met {
+struct OracleHit {
     distance: f64,
     normal: DVec3,
     facet: (usize, [i32; 2]),
@@ -380,7 +385,7 @@ fn a_front_of_index_1_changes_nothing() {
                     ..trapped(1.0)
                 };
                 let [once, all] = shares(&prepared, incidence, azimuth, rules);
-                // The beams of the sheet start from other facets than those of its pits.
+                // The beams of the sheet start from other facets than those of its recesses.
                 assert!((once.retroreflected - all.retroreflected).abs() < 1e-13);
                 for (once, all) in once.fate.iter().zip(all.fate) {
                     assert!((once - all).abs() < 1e-13, "{shape:?} {incidence}");

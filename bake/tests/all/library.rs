@@ -1,6 +1,6 @@
 //! Tests of the library from outside: the functions that another front end calls.
 
-use bake::{Comparison, Error, Plan, Prepared, Request, Watch, retrace, trace};
+use bake::{Comparison, Error, Plan, Prepared, Progress, Request, retrace, trace};
 use meshes::CellOptions;
 use meshes::design::{Design, Shape};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -31,7 +31,7 @@ fn all_rays_are_told_of_and_the_methods_agree() {
         let count = |rays| {
             told.fetch_add(rays, Ordering::Relaxed);
         };
-        let table = trace(&pair, &plan(method), Watch::new(&count)).expect("bakes");
+        let table = trace(&pair, &plan(method), Progress::new(&count)).expect("bakes");
         assert_eq!(told.into_inner(), 3 << 20, "{method:?}");
         table
     });
@@ -48,8 +48,8 @@ fn a_bake_is_stopped() {
         for before in [true, false] {
             let stop = AtomicBool::new(before);
             let told = |_| stop.store(true, Ordering::Relaxed);
-            let watch = Watch::new(&told).stopped_by(&stop);
-            let stopped = trace(&pair, &plan(method), watch);
+            let progress = Progress::new(&told).stopped_by(&stop);
+            let stopped = trace(&pair, &plan(method), progress);
             assert!(
                 matches!(stopped, Err(Error::Stopped)),
                 "{method:?}, {before}"
@@ -61,9 +61,9 @@ fn a_bake_is_stopped() {
 #[test]
 fn a_mesh_judges_its_table_and_another_one() {
     let pair = prepared(Shape::TriangularPair);
-    let mut table = trace(&pair, &plan(Method::Exact), Watch::none()).expect("bakes");
+    let mut table = trace(&pair, &plan(Method::Exact), Progress::none()).expect("bakes");
     let judged =
-        |table: &tables::Table, by: &Prepared| retrace(table, by, 1 << 16, 1, Watch::none());
+        |table: &tables::Table, by: &Prepared| retrace(table, by, 1 << 16, 1, Progress::none());
     assert!(judged(&table, &pair).expect("rays").agrees());
     let other = prepared(Shape::FullCube);
     assert!(!judged(&table, &other).expect("rays").agrees());

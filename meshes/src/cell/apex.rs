@@ -3,7 +3,7 @@
 //! An apex is an inner vertex around which the facets face in three nearly perpendicular
 //! directions. All neighbours lie on the side that the facets face (the light's side). A finely
 //! triangulated facet counts as one facet if its normals at the apex agree. The three edges (legs)
-//! of an apex are the valleys between the facets, followed as long as they are straight.
+//! of an apex are the concave edges between the facets, followed as long as they are straight.
 
 use glam::DVec3;
 
@@ -15,7 +15,8 @@ const SAME_FACET_COS: f64 = 0.94;
 /// Greatest cosine between the normals of two facets that count as perpendicular (5.7 deg off a
 /// right angle).
 const PERPENDICULAR_COS: f64 = 0.1;
-/// Least cosine between a leg and the next step of its valley, if the valley counts as straight.
+/// Least cosine between a leg and the next step of its concave edge, if the edge counts as
+/// straight.
 const STRAIGHT_COS: f64 = 0.9995;
 
 /// Vertex at which three perpendicular facets meet.
@@ -135,8 +136,8 @@ impl<'s, 'm> Fans<'s, 'm> {
         })
     }
 
-    /// Returns the ends of the valleys (hollow creases between facets) that start at `vertex`.
-    fn valleys(&self, vertex: u32) -> Vec<u32> {
+    /// Returns the far ends of the concave edges between facets that start at `vertex`.
+    fn concave_edges(&self, vertex: u32) -> Vec<u32> {
         let base = self.position(vertex);
         // Each edge at the vertex with each of its triangles and the third vertex of this triangle,
         // sorted by edge.
@@ -151,7 +152,7 @@ impl<'s, 'm> Fans<'s, 'm> {
             spokes.extend([(p, triangle, q), (q, triangle, p)]);
         }
         spokes.sort_unstable();
-        let valley = |pair: &[(u32, u32, u32)]| {
+        let concave = |pair: &[(u32, u32, u32)]| {
             let [(end, one, _), (other_end, other, far)] = [pair[0], pair[1]];
             let (n, m) = (
                 self.surface.normals[one as usize],
@@ -160,22 +161,22 @@ impl<'s, 'm> Fans<'s, 'm> {
             let hollow = n.dot(m) < SAME_FACET_COS && n.dot(self.position(far) - base) > 0.0;
             (end == other_end && hollow).then_some(end)
         };
-        spokes.windows(2).filter_map(valley).collect()
+        spokes.windows(2).filter_map(concave).collect()
     }
 
     /// Returns the three legs of a hollow corner, sorted by their outer vertex in the file.
     ///
-    /// Returns `None` if the facets do not meet in three straight valleys.
+    /// Returns `None` if the facets do not meet in three straight concave edges.
     pub(crate) fn legs(&self, corner: &Corner) -> Option<[Leg; 3]> {
         let apex = self.position(corner.vertex);
-        let starts: [u32; 3] = self.valleys(corner.vertex).try_into().ok()?;
+        let starts: [u32; 3] = self.concave_edges(corner.vertex).try_into().ok()?;
         let mut legs = starts.map(|start| {
             let mut outer = start;
             let mut length = apex.distance(self.position(outer));
             let direction = (self.position(outer) - apex) / length;
             loop {
                 let here = self.position(outer);
-                let onward = self.valleys(outer).into_iter().find(|&next| {
+                let onward = self.concave_edges(outer).into_iter().find(|&next| {
                     let step = self.position(next) - here;
                     step.dot(direction) > STRAIGHT_COS * step.length()
                 });

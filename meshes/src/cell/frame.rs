@@ -122,14 +122,14 @@ fn lowest(surface: &Surface<'_>, normal: DVec3) -> u32 {
 /// Returns the unit normal of the sheet towards the light: that of the lattice, otherwise that of
 /// the rim.
 fn normal(surface: &Surface<'_>, lattice: Option<[DVec3; 2]>) -> Result<DVec3, Fault> {
-    let facing = surface.vector_area();
+    let vector_area = surface.vector_area();
     let Some([a, b]) = lattice else {
         let first = surface.boundary().first().map_or(0, |edge| edge.0);
         let no_plane = Fault::RimNotPlanar {
             vertex: first as usize + 1,
             height: f64::INFINITY,
         };
-        return facing.try_normalize().ok_or(no_plane);
+        return vector_area.try_normalize().ok_or(no_plane);
     };
     let cross = a.cross(b);
     let sine = cross.length() / (a.length() * b.length());
@@ -138,10 +138,15 @@ fn normal(surface: &Surface<'_>, lattice: Option<[DVec3; 2]>) -> Result<DVec3, F
     }
     // A closed surface has no side that it faces. Light then comes from the side from which the
     // lattice vectors turn counter-clockwise.
-    let closed = facing.length() <= 1e-9 * cross.length();
-    let facing = if closed { DVec3::ZERO } else { facing };
-    let normal = cross.normalize() * if cross.dot(facing) < 0.0 { -1.0 } else { 1.0 };
-    let tilt = normal.angle_between(facing.normalize_or(normal));
+    let closed = vector_area.length() <= 1e-9 * cross.length();
+    let vector_area = if closed { DVec3::ZERO } else { vector_area };
+    let normal = cross.normalize()
+        * if cross.dot(vector_area) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+    let tilt = normal.angle_between(vector_area.normalize_or(normal));
     if tilt > LATTICE_TILT {
         return Err(Fault::LatticeTilted {
             degrees: tilt.to_degrees(),

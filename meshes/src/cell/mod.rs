@@ -1,8 +1,7 @@
 //! From a mesh in file units to a cell in its own frame, edge length 1: welded, checked, turned,
 //! with entrance and lattice.
 //!
-//! A mesh and the user's options enter. A [`cell::Cell`] leaves, or the fault of the mesh. The room
-//! touches the mesh room, and the files for the one call that loads first.
+//! A mesh and the user's options enter. A [`cell::Cell`] leaves, or the fault of the mesh.
 
 pub(crate) mod apex;
 pub(crate) mod cell;

@@ -8,7 +8,7 @@ use crate::mesh::mesh::Mesh;
 
 /// Triangle at one of its edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Side {
+pub(crate) struct HalfEdge {
     /// Smaller welded vertex of the edge.
     pub low: u32,
     /// Larger welded vertex of the edge.
@@ -27,7 +27,7 @@ pub(crate) struct Surface<'a> {
     /// Vertex indices after welding, per triangle.
     pub welded: Vec<[u32; 3]>,
     /// Sides of all triangles, sorted by edge and then by triangle.
-    pub sides: Vec<Side>,
+    pub sides: Vec<HalfEdge>,
     /// Start of each edge in `sides`; the last entry is the length of `sides`.
     pub edges: Vec<u32>,
     /// Unit normals of the triangles, by their winding; zero for a degenerate triangle.
@@ -54,7 +54,7 @@ impl<'a> Surface<'a> {
             for side in 0..3 {
                 let (from, to) = (corners[side], corners[(side + 1) % 3]);
                 let (low, high) = (from.min(to), from.max(to));
-                sides.push(Side {
+                sides.push(HalfEdge {
                     low,
                     high,
                     triangle: triangle as u32,
@@ -91,7 +91,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Returns the sides that meet at each edge, edge by edge.
-    pub(crate) fn meetings(&self) -> impl Iterator<Item = &[Side]> {
+    pub(crate) fn meetings(&self) -> impl Iterator<Item = &[HalfEdge]> {
         self.edges
             .windows(2)
             .map(|range| &self.sides[range[0] as usize..range[1] as usize])

@@ -4,7 +4,7 @@
 use glam::{DMat3, DVec3};
 
 /// Facets of a cube corner, and the rim that joins the next cube or the land around.
-pub(crate) struct Corner {
+pub(crate) struct CornerFacets {
     /// Positions of the vertices, file units.
     pub positions: Vec<DVec3>,
     /// Facets, counter-clockwise seen from the light.
@@ -14,10 +14,10 @@ pub(crate) struct Corner {
     pub rim: [Vec<u32>; 3],
 }
 
-impl Corner {
+impl CornerFacets {
     /// Makes the facets between three edges.
     pub(super) fn sharp([a, b, c]: [DVec3; 3]) -> Self {
-        Corner {
+        CornerFacets {
             positions: vec![DVec3::ZERO, a, b, c],
             triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1]],
             rim: [vec![1], vec![2], vec![3]],
@@ -28,7 +28,7 @@ impl Corner {
     pub(super) fn blunt(legs: [DVec3; 3], part: f64) -> Self {
         let mut positions = legs.map(|leg| leg * part).to_vec();
         positions.extend(legs);
-        Corner {
+        CornerFacets {
             positions,
             triangles: vec![
                 [0, 1, 2],
@@ -118,7 +118,7 @@ impl Corner {
             let (from, to) = (rim[facet][strips as usize], rim[next(facet)][0]);
             triangles.push([vertex(at), from, to]);
         }
-        Corner {
+        CornerFacets {
             positions,
             triangles,
             rim,

@@ -5,10 +5,10 @@
 //! of its three edges. With the default edge length of 3, every coordinate of the ideal cells is an
 //! integer: exact in text and in f32.
 
-use crate::design::bead::Bead;
-use crate::design::corner::Corner;
+use crate::design::corner::CornerFacets;
 use crate::design::curved;
-use crate::design::plate::Plate;
+use crate::design::elements::Bead;
+use crate::design::elements::Plate;
 use crate::files::write;
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::{Mesh, sha256};
@@ -204,11 +204,11 @@ impl Design {
             .fold(f64::INFINITY, f64::min);
         inside("edge radius", self.edge_radius, 0.0, 0.2 * shortest)?;
         let corner = if self.edge_radius > 0.0 {
-            Corner::rounded(legs, self.edge_radius, self.strips)
+            CornerFacets::rounded(legs, self.edge_radius, self.strips)
         } else if self.apex_flat > 0.0 {
-            Corner::blunt(legs, self.apex_flat)
+            CornerFacets::blunt(legs, self.apex_flat)
         } else {
-            Corner::sharp(legs)
+            CornerFacets::sharp(legs)
         };
         let (corner, ends) = corner.with_land(legs, 0.5 * self.gap);
         Ok(match self.shape {

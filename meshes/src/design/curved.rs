@@ -25,7 +25,7 @@ pub(super) fn faces(mesh: &Mesh, sag: f64, segments: u32) -> Mesh {
     };
     let mut edges = HashMap::new();
     for (face, &corners) in mesh.triangles.iter().enumerate() {
-        let face = Face {
+        let face = CoarseTriangle {
             vertices: corners,
             corners: mesh.corners(face),
             sag,
@@ -37,14 +37,14 @@ pub(super) fn faces(mesh: &Mesh, sag: f64, segments: u32) -> Mesh {
 }
 
 /// Triangle to be cut.
-struct Face {
+struct CoarseTriangle {
     vertices: [u32; 3],
     corners: [DVec3; 3],
     sag: f64,
     segments: u32,
 }
 
-impl Face {
+impl CoarseTriangle {
     /// Appends the facets, and the points and normals that they need, to `fine`.
     ///
     /// `edges` holds the first of the points between two corners, in the order of their numbers.

@@ -1,15 +1,12 @@
 //! Parametric cells: corner cubes with their errors, tiles of them, curved faces, plates and beads.
 //!
-//! Numbers enter and a mesh leaves, as a file would give it. The room touches the mesh room, and
-//! the files, because the hash of a design is that of its OBJ text.
+//! Numbers enter and a mesh leaves, as a file would give it. Its hash is that of its OBJ text.
 
-mod bead;
 mod corner;
 mod cube;
 mod curved;
-mod plate;
+mod elements;
 mod tile;
 
-pub use bead::Bead;
 pub use cube::{Design, Shape, list};
-pub use plate::Plate;
+pub use elements::{Bead, Plate};

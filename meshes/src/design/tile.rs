@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 
-use crate::design::corner::Corner;
+use crate::design::corner::CornerFacets;
 use crate::mesh::mesh::Mesh;
 
 /// Part of the edge length within which vertices are one.
 const SAME: f64 = 1e-9;
 
-impl Corner {
+impl CornerFacets {
     /// Returns the corner with a flat land of the width `width` around its triangular aperture, and
     /// the corners of the outer triangle of the land.
     ///

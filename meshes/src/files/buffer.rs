@@ -6,7 +6,7 @@ use base64::Engine as _;
 use glam::DVec3;
 use gltf::accessor::{DataType, Dimensions};
 
-use crate::files::bounded::{MAX_BYTES, read_bounded};
+use crate::files::load::{MAX_BYTES, read_bounded};
 use crate::mesh::digits::single;
 use crate::mesh::error::Fault;
 

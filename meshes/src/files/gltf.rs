@@ -14,9 +14,9 @@ use ::gltf::{Document, Gltf, Node};
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;
 
-use crate::files::bounded::within;
 use crate::files::buffer::Buffers;
 use crate::files::glb;
+use crate::files::load::within;
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::{GLASS, Mesh, sha256};
 

@@ -11,7 +11,7 @@ use std::num::NonZeroU32;
 
 use glam::DVec3;
 
-use crate::files::bounded::within;
+use crate::files::load::within;
 use crate::mesh::digits::Digits;
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::{GLASS, Mesh, sha256};

@@ -5,7 +5,7 @@ use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess};
 use ply_rs_bw::ply::{PropertyAccessResult, PropertyType, ScalarType};
 
-use crate::files::bounded::within;
+use crate::files::load::within;
 use crate::files::obj;
 use crate::mesh::digits::{Digits, single};
 use crate::mesh::error::Fault;
@@ -14,14 +14,14 @@ use crate::mesh::polygon;
 
 /// Vertex, face, or another element, of which nothing is kept.
 #[derive(Default)]
-struct Element {
+struct PlyElement {
     position: DVec3,
     corners: Vec<u32>,
 }
 
-impl PropertyAccess for Element {
+impl PropertyAccess for PlyElement {
     fn new() -> Self {
-        Element::default()
+        PlyElement::default()
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
@@ -90,7 +90,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
         }
     }
     let mut reader = Reader::new(content);
-    let parser = Parser::<Element>::new();
+    let parser = Parser::<PlyElement>::new();
     let read = parser.read_header(&mut reader).map_err(fault)?;
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     let mut before = reader.line() - 1;
@@ -146,10 +146,10 @@ fn header(bytes: &[u8]) -> &str {
 }
 
 /// Cuts faces into the triangles of `mesh`.
-fn polygons(mesh: &mut Mesh, faces: Vec<Element>) -> Result<(), Fault> {
+fn polygons(mesh: &mut Mesh, faces: Vec<PlyElement>) -> Result<(), Fault> {
     let vertices = mesh.positions.len();
     let mut all_triangles = true;
-    for (face, Element { corners, .. }) in (1_u32..).zip(faces) {
+    for (face, PlyElement { corners, .. }) in (1_u32..).zip(faces) {
         if corners.len() < 3 {
             let corners = corners.len();
             return Err(Fault::FewFaceCorners { face, corners });

@@ -11,8 +11,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::files::bounded::within;
 use crate::files::buffer::number;
+use crate::files::load::within;
 use crate::files::obj;
 use crate::mesh::digits::{Digits, single};
 use crate::mesh::error::Fault;

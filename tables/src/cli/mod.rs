@@ -1,10 +1,7 @@
-//! Parts that the command lines of `bake` and `fit` share (feature `cli`).
+//! Parts that the command lines of `bake` and `fit` share (feature `cli`): lists of numbers,
+//! reserved outputs, threads, printing, completions and manual pages.
 //!
-//! They are lists of numbers, outputs that are reserved before the work, threads,
-//! printing, completions and manual pages.
-//!
-//! Text that a user typed enters. Numbers, reserved outputs or one [`crate::Error`] leave. This room
-//! writes to the terminal, which no other room of this crate does. It may touch [`crate::Outputs`].
+//! No other module of this crate writes to the terminal.
 
 mod list;
 mod manual;

@@ -17,9 +17,9 @@ use std::thread;
 use std::time::Duration;
 
 use crate::error::Error;
-use crate::file::here::{here, opened};
+use crate::file::read::{in_this_process, opened};
 use crate::file::reader::{OTHER_VERSION, Protection, TABLE, VERSION};
-use crate::file::{ledger, limits, received};
+use crate::file::{limits, received};
 use crate::table::table::Table;
 
 /// Name of the reader, without the ending that programs have on some systems.
@@ -100,7 +100,7 @@ pub fn read(path: &Path) -> Result<Reading, Error> {
     match PROGRAM.get() {
         Some(program) => ask(path, program),
         None => Ok(Reading {
-            table: here(path)?,
+            table: in_this_process(path)?,
             lacking: Protection::ALL.to_vec(),
         }),
     }
@@ -132,10 +132,10 @@ fn ask(path: &Path, program: &Path) -> Result<Reading, Error> {
         .spawn()
         .map_err(|error| unusable(format!("cannot be started ({error})")))?;
     let out = child.stdout.take();
-    let watched = Watched::new(child, ledger::patience(bytes));
+    let watched = Watched::new(child, limits::patience(bytes));
     let answer = out.map(|out| {
         // More than the file may claim does not come from the reader that was started.
-        let most = 2 * ledger::most_content(bytes);
+        let most = 2 * limits::most_content(bytes);
         listen(BufReader::with_capacity(1 << 16, out.take(most)))
     });
     let (status, late) = watched

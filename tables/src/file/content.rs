@@ -31,7 +31,7 @@ impl Table {
 
     /// Gives the items of the content to `sink`, piece by piece.
     pub(crate) fn content(&self, sink: &mut dyn FnMut(&[u8])) {
-        let mut items = Items(sink);
+        let mut items = ItemWriter(sink);
         items.text("format", TAG);
         items.floats("incidence_deg", self.axes.incidence_deg.iter().copied());
         items.floats("azimuth_deg", self.axes.azimuth_deg.iter().copied());
@@ -64,9 +64,9 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
 }
 
 /// Writer of items, which gives their bytes to a function.
-struct Items<'a>(&'a mut dyn FnMut(&[u8]));
+struct ItemWriter<'a>(&'a mut dyn FnMut(&[u8]));
 
-impl Items<'_> {
+impl ItemWriter<'_> {
     /// Writes the name and the length of an item.
     fn head(&mut self, name: &str, bytes: usize) {
         self.0(name.as_bytes());

@@ -8,7 +8,7 @@
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
-use crate::file::{here, ledger};
+use crate::file::{limits, read};
 
 /// Version of this crate, which both programs must share.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -63,7 +63,7 @@ impl Protection {
 /// Returns whether the system took them.
 #[must_use]
 pub fn begin(file_bytes: u64) -> bool {
-    ledger::begin(file_bytes)
+    limits::begin(file_bytes)
 }
 
 /// Reads a table of `file_bytes` bytes and writes it, or the refusal, to `out`.
@@ -80,8 +80,8 @@ pub fn answer(
     out: impl Write,
 ) -> io::Result<()> {
     let missing = lacking.iter().fold(0, |bits, one| bits | one.bit());
-    let content = here::content(from, file_bytes, name);
-    let table = content.and_then(|content| here::table(content, name));
+    let content = read::content(from, file_bytes, name);
+    let table = content.and_then(|content| read::table(content, name));
     let mut out = BufWriter::with_capacity(1 << 16, out);
     match table {
         Ok(table) => {

@@ -25,7 +25,7 @@ use crate::table::table::Table;
 const MOST_NAME: u64 = 64;
 
 /// Reader of the items of a stream.
-struct Items<R> {
+struct ItemReader<R> {
     from: R,
     /// Name of the next item; empty at the end.
     name: String,
@@ -33,10 +33,10 @@ struct Items<R> {
     length: u64,
 }
 
-impl<R: BufRead> Items<R> {
+impl<R: BufRead> ItemReader<R> {
     /// Reads the head of the first item.
-    fn new(from: R) -> io::Result<Items<R>> {
-        let mut items = Items {
+    fn new(from: R) -> io::Result<ItemReader<R>> {
+        let mut items = ItemReader {
             from,
             name: String::new(),
             length: 0,
@@ -155,7 +155,7 @@ impl<R: BufRead> Items<R> {
 /// # Errors
 /// Returns an error if the stream ends early or holds something else than a table.
 pub(crate) fn table(from: impl BufRead) -> io::Result<Table> {
-    let mut items = Items::new(from)?;
+    let mut items = ItemReader::new(from)?;
     items.text("format")?;
     let axes = Axes {
         incidence_deg: items.floats("incidence_deg")?,
@@ -218,7 +218,7 @@ fn shaped<T, D: Dimension>(
 }
 
 /// Reads the polygons, if they come next.
-fn exact(items: &mut Items<impl BufRead>, directions: usize) -> io::Result<Option<Exact>> {
+fn exact(items: &mut ItemReader<impl BufRead>, directions: usize) -> io::Result<Option<Exact>> {
     if items.name != "entrance_area" {
         return Ok(None);
     }
@@ -264,7 +264,7 @@ fn exact(items: &mut Items<impl BufRead>, directions: usize) -> io::Result<Optio
 
 /// Reads the rays by shift and deviation, if they come next.
 fn deviations(
-    items: &mut Items<impl BufRead>,
+    items: &mut ItemReader<impl BufRead>,
     directions: usize,
 ) -> io::Result<Option<Deviations>> {
     if items.name != "deviation_grid" {
@@ -292,7 +292,7 @@ fn deviations(
 }
 
 /// Reads the provenance.
-fn provenance(items: &mut Items<impl BufRead>) -> io::Result<Provenance> {
+fn provenance(items: &mut ItemReader<impl BufRead>) -> io::Result<Provenance> {
     Ok(Provenance {
         generator: items.text("generator")?,
         design: items.text("design")?,

@@ -23,7 +23,7 @@ use crate::table::exact::Path;
 use crate::table::polygon::{self, area};
 
 /// Direction of the table near the direction that is asked for.
-pub(crate) struct Node {
+pub(crate) struct NearDirection {
     /// tan(incidence inside the sheet) (cos azimuth, sin azimuth).
     pub tau: [f64; 2],
     /// Azimuth of the frame of `paths`, radians.
@@ -70,9 +70,12 @@ const LEAST_ASTRAY: f64 = 1e-9;
 const JUMP: f64 = 0.25;
 
 /// Returns the shapes of the paths of each node, or `None` if one cannot be interpolated.
-pub(crate) fn shapes(nodes: &[Node], index: f64) -> Option<Vec<Vec<Shape>>> {
-    let of = |node: &Node| {
-        let shapes = node.paths.iter().map(|path| Shape::new(path, node, index));
+pub(crate) fn shapes(nodes: &[NearDirection], index: f64) -> Option<Vec<Vec<PathShape>>> {
+    let of = |node: &NearDirection| {
+        let shapes = node
+            .paths
+            .iter()
+            .map(|path| PathShape::new(path, node, index));
         shapes.collect()
     };
     nodes.iter().map(of).collect()
@@ -80,11 +83,11 @@ pub(crate) fn shapes(nodes: &[Node], index: f64) -> Option<Vec<Vec<Shape>>> {
 
 /// Returns the nodes with a share that lack a family by a jump.
 pub(crate) fn absent<'a>(
-    nodes: &'a [Node],
+    nodes: &'a [NearDirection],
     family: &[(usize, usize)],
-    lines: &[Course],
-    members: &[(&Node, &Shape)],
-) -> Vec<&'a Node> {
+    lines: &[LineTrack],
+    members: &[(&NearDirection, &PathShape)],
+) -> Vec<&'a NearDirection> {
     let lacking = nodes.iter().enumerate().filter(|&(index, node)| {
         let lacks = node.share > 0.0 && family.iter().all(|&(member, _)| member != index);
         let there = || area(&outline(lines, members, node.tau));
@@ -98,7 +101,7 @@ pub(crate) fn absent<'a>(
 /// `index` is the refractive index of the sheet. Returns `None` if the paths of the nodes cannot be
 /// interpolated: a polygon is not convex, or a map cannot be inverted.
 pub(crate) fn paths(
-    nodes: &[Node],
+    nodes: &[NearDirection],
     tau: [f64; 2],
     azimuth_rad: f64,
     index: f64,
@@ -106,7 +109,7 @@ pub(crate) fn paths(
     let seen = shapes(nodes, index)?;
     let mut paths = Vec::new();
     for family in families(nodes, &seen) {
-        let members: Vec<(&Node, &Shape)> = family
+        let members: Vec<(&NearDirection, &PathShape)> = family
             .iter()
             .map(|&(node, path)| (&nodes[node], &seen[node][path]))
             .collect();
@@ -122,7 +125,7 @@ pub(crate) fn paths(
         // The mean is taken relative to the first member: a value that all members share comes out
         // unchanged, to the last digit.
         let seed = members[0].1;
-        let mean = |value: &dyn Fn(&Shape) -> f64| -> f64 {
+        let mean = |value: &dyn Fn(&PathShape) -> f64| -> f64 {
             let beyond = members.iter().map(|(_, shape)| value(shape) - value(seed));
             let beyond = beyond.zip(&weights).map(|(value, weight)| weight * value);
             value(seed) + beyond.sum::<f64>()
@@ -222,7 +225,7 @@ pub(crate) struct Line {
 }
 
 /// Path in the frame of azimuth 0, relative to the fixed point of its map.
-pub(crate) struct Shape {
+pub(crate) struct PathShape {
     pub corners: Vec<[f64; 2]>,
     lines: Vec<Line>,
     area: f64,
@@ -238,10 +241,10 @@ pub(crate) struct Shape {
     pub passes: u32,
 }
 
-impl Shape {
+impl PathShape {
     /// Makes the shape of a path, or `None` if the polygon is not convex or the map has no fixed
     /// point.
-    fn new(path: &Path, node: &Node, index: f64) -> Option<Shape> {
+    fn new(path: &Path, node: &NearDirection, index: f64) -> Option<PathShape> {
         let azimuth_rad = node.azimuth_rad;
         let ([[a, b], [c, d]], [u, v]) = (path.matrix, path.offset);
         let determinant = a * d - b * c;
@@ -271,7 +274,7 @@ impl Shape {
                 .iter()
                 .all(|&p| dot(line.normal, p) <= line.offset + SHORT)
         };
-        lines.iter().all(inside).then(|| Shape {
+        lines.iter().all(inside).then(|| PathShape {
             area: area(&corners),
             fixed: turned(fixed, azimuth_rad),
             lines,
@@ -298,7 +301,7 @@ impl Shape {
     }
 
     /// Returns the greatest difference of the reaches of two polygons along all their normals.
-    fn unlike(&self, other: &Shape) -> f64 {
+    fn unlike(&self, other: &PathShape) -> f64 {
         let normals = self
             .lines
             .iter()
@@ -329,7 +332,10 @@ fn assigned(mut costs: Vec<(f64, usize, usize)>) -> Vec<(usize, usize)> {
 /// A family begins at one of the four directions around, at the steepest that has the path. It goes
 /// on from there to the next nodes. The steepest is first because cubes of all orientations look
 /// alike at normal incidence, and after a wide turn one cube looks like another.
-pub(crate) fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
+pub(crate) fn families(
+    nodes: &[NearDirection],
+    seen: &[Vec<PathShape>],
+) -> Vec<Vec<(usize, usize)>> {
     let steepness = |index: usize| dot(nodes[index].tau, nodes[index].tau);
     let (mut order, mut rest): (Vec<usize>, Vec<usize>) =
         (0..nodes.len()).partition(|&index| nodes[index].share > 0.0);
@@ -389,11 +395,11 @@ pub(crate) fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, u
 }
 
 /// Line as the directions that have it show it: tau and the line there.
-pub(crate) type Course = Vec<([f64; 2], Line)>;
+pub(crate) type LineTrack = Vec<([f64; 2], Line)>;
 
 /// Finds the lines of a family.
-pub(crate) fn lines(members: &[(&Node, &Shape)]) -> Vec<Course> {
-    let mut courses: Vec<Course> = Vec::new();
+pub(crate) fn lines(members: &[(&NearDirection, &PathShape)]) -> Vec<LineTrack> {
+    let mut courses: Vec<LineTrack> = Vec::new();
     // For each line, the members that have it as an edge.
     let mut holders: Vec<Vec<usize>> = Vec::new();
     for (member, (node, shape)) in members.iter().enumerate() {
@@ -433,12 +439,12 @@ pub(crate) fn lines(members: &[(&Node, &Shape)]) -> Vec<Course> {
 /// In such a member the line lies beyond the polygon. If the other members' lines would lead it
 /// through the polygon, a line is added that touches the polygon. It moves the line elsewhere, so
 /// this goes on until the line is clear of all.
-fn keep_clear(course: &mut Course, members: &[(&Node, &Shape)], holders: &[usize]) {
+fn keep_clear(course: &mut LineTrack, members: &[(&NearDirection, &PathShape)], holders: &[usize]) {
     let mut without: Vec<usize> = (0..members.len())
         .filter(|member| !holders.contains(member))
         .collect();
     loop {
-        let mut touching = Course::new();
+        let mut touching = LineTrack::new();
         without.retain(|&member| {
             let (node, shape) = members[member];
             let Line { normal, offset } = line_at(course, node.tau);
@@ -461,7 +467,7 @@ fn keep_clear(course: &mut Course, members: &[(&Node, &Shape)], holders: &[usize
 }
 
 /// Interpolates a line at `tau`; its normal need not be of unit length.
-fn line_at(course: &Course, tau: [f64; 2]) -> Line {
+fn line_at(course: &LineTrack, tau: [f64; 2]) -> Line {
     let places: Vec<[f64; 2]> = course.iter().map(|(place, _)| *place).collect();
     let (mut normal, mut offset) = ([0.0; 2], 0.0);
     for (weight, (_, line)) in weights(&places, tau).into_iter().zip(course) {
@@ -475,7 +481,11 @@ fn line_at(course: &Course, tau: [f64; 2]) -> Line {
 ///
 /// Nothing is left where the polygons of the members cannot have moved to. Lines that hardly turn
 /// from each other can meet far away, after the path between them has ended.
-fn outline(courses: &[Course], members: &[(&Node, &Shape)], tau: [f64; 2]) -> Vec<[f64; 2]> {
+fn outline(
+    courses: &[LineTrack],
+    members: &[(&NearDirection, &PathShape)],
+    tau: [f64; 2],
+) -> Vec<[f64; 2]> {
     let moved = members
         .iter()
         .map(|(node, _)| FASTEST * distance(node.tau, tau));
@@ -593,7 +603,7 @@ mod tests {
     }
 
     /// Returns directions all around in steps of `step_deg`, each in its own frame.
-    fn nodes(incidences: &[f64], step_deg: f64, cubes: &[f64]) -> Vec<Node> {
+    fn nodes(incidences: &[f64], step_deg: f64, cubes: &[f64]) -> Vec<NearDirection> {
         let azimuths: Vec<f64> = (0..(360.0 / step_deg) as u32)
             .map(|k| f64::from(k) * step_deg)
             .collect();
@@ -610,7 +620,7 @@ mod tests {
                 offset: turned(path.offset, -azimuth_rad),
                 ..path
             };
-            Node {
+            NearDirection {
                 tau,
                 azimuth_rad,
                 paths: paths.map(turned).collect(),
@@ -682,7 +692,7 @@ mod tests {
             let tau = tau(f64::from(step % 60) * 0.5, azimuth);
             // Keep the two azimuths around and the next ones beyond them.
             let mut nodes = nodes(&[0.0, 15.0, 28.0], 30.0, &[0.0, half_turn]);
-            let away = |node: &Node| {
+            let away = |node: &NearDirection| {
                 let away = (node.azimuth_rad.to_degrees() - azimuth).rem_euclid(360.0);
                 away.min(360.0 - away)
             };
@@ -836,7 +846,7 @@ mod tests {
                 }
             }
             let mut nodes = nodes(&[15.0], 60.0, &[0.0]);
-            nodes.push(Node {
+            nodes.push(NearDirection {
                 tau: tau(low, 0.0),
                 azimuth_rad: 0.0,
                 paths: Vec::new(),
@@ -873,7 +883,7 @@ mod tests {
             let mut polygon = vec![[-1.0, -1.0], [1.0, -1.0]];
             polygon.extend(&corner[..if cut > 0.0 { 2 } else { 1 }]);
             polygon.push([-1.0, 1.0]);
-            Node {
+            NearDirection {
                 tau: [x, 0.0],
                 azimuth_rad: 0.0,
                 paths: vec![point_mirror(polygon)],
@@ -894,11 +904,11 @@ mod tests {
 
     /// Returns two directions at `at` and `-at` in tau, each with half of the share and one
     /// polygon.
-    fn two(at: f64, polygons: [Vec<[f64; 2]>; 2]) -> [Node; 2] {
+    fn two(at: f64, polygons: [Vec<[f64; 2]>; 2]) -> [NearDirection; 2] {
         let mut side = 1.0;
         polygons.map(|polygon| {
             side = -side;
-            Node {
+            NearDirection {
                 tau: [side * at, 0.3],
                 azimuth_rad: 0.0,
                 paths: vec![point_mirror(polygon)],

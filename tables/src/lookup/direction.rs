@@ -10,7 +10,7 @@ use ndarray::Array2;
 
 use crate::error::Error;
 use crate::lookup::between;
-use crate::lookup::between::Node;
+use crate::lookup::between::NearDirection;
 use crate::lookup::family::{self, Family};
 use crate::table::axes::Axes;
 use crate::table::deviation::Exits;
@@ -59,7 +59,7 @@ pub struct Direction {
 
 /// Azimuth that the table knows: one of its own, or an image of one by symmetry.
 #[derive(Debug, Clone, Copy)]
-struct Image {
+struct AzimuthImage {
     /// Azimuth, degrees, in [0, 360).
     azimuth_deg: f64,
     /// Index of the azimuth in the axis of the table.
@@ -68,9 +68,9 @@ struct Image {
     mirrored: bool,
 }
 
-impl Image {
+impl AzimuthImage {
     /// Only azimuth of a table of the mean over azimuths.
-    const MEAN: Image = Image {
+    const MEAN: AzimuthImage = AzimuthImage {
         azimuth_deg: f64::NAN,
         place: 0,
         mirrored: false,
@@ -196,14 +196,14 @@ impl Table {
     }
 
     /// Returns the table's directions around a direction, or `None` outside of the table.
-    fn cell(&self, incidence_deg: f64, azimuth_deg: f64) -> Option<Cell<'_>> {
+    fn cell(&self, incidence_deg: f64, azimuth_deg: f64) -> Option<GridCell<'_>> {
         let images = self.images();
         let across = if self.axes.is_mean() {
             Some((0, 0, 0.0))
         } else {
             around(&images, self.axes.widest_gap_deg(), azimuth_deg)
         };
-        Some(Cell {
+        Some(GridCell {
             table: self,
             along: between(&self.axes.incidence_deg, incidence_deg)?,
             across: across?,
@@ -224,15 +224,15 @@ impl Table {
     }
 
     /// Returns the azimuths in [0, 360) that the table knows, ascending: its own and their images.
-    fn images(&self) -> Vec<Image> {
+    fn images(&self) -> Vec<AzimuthImage> {
         if self.axes.is_mean() {
-            return vec![Image::MEAN];
+            return vec![AzimuthImage::MEAN];
         }
         let symmetry = self.provenance.symmetry;
         let places = self.axes.azimuth_deg.iter().enumerate();
-        let mut images: Vec<Image> = places
+        let mut images: Vec<AzimuthImage> = places
             .flat_map(|(place, &azimuth)| {
-                let image = move |(azimuth_deg, mirrored)| Image {
+                let image = move |(azimuth_deg, mirrored)| AzimuthImage {
                     azimuth_deg,
                     place,
                     mirrored,
@@ -288,15 +288,15 @@ fn share((first, second, share): Bracket, place: usize) -> f64 {
 }
 
 /// Directions of a table around the direction that is asked for.
-struct Cell<'a> {
+struct GridCell<'a> {
     table: &'a Table,
-    images: Vec<Image>,
+    images: Vec<AzimuthImage>,
     along: Bracket,
     /// Bracket of the azimuth, as indices of `images`.
     across: Bracket,
 }
 
-impl Cell<'_> {
+impl GridCell<'_> {
     /// Mixes the bins of the corners and interpolates the paths.
     fn direction(&self, incidence_deg: f64, azimuth_deg: f64) -> Direction {
         let table = self.table;
@@ -387,22 +387,22 @@ impl Cell<'_> {
             return 0;
         };
         let azimuths = self.azimuths_around();
-        let held = self.incidences_around().flat_map(|i| {
+        let stored = self.incidences_around().flat_map(|i| {
             let place = |&k: &usize| i * axes.azimuth_deg.len() + self.images[k].place;
             azimuths.iter().map(place).collect::<Vec<_>>()
         });
-        let corners = |held: usize| -> usize {
-            let paths = exact.paths[held].iter();
+        let corners = |stored: usize| -> usize {
+            let paths = exact.paths[stored].iter();
             paths.map(|path| path.polygon.len()).sum()
         };
-        held.map(corners).max().unwrap_or_default()
+        stored.map(corners).max().unwrap_or_default()
     }
 
     /// Returns the paths of a direction of the table, in the frame of image `k`.
     fn paths(&self, exact: &Exact, i: usize, k: usize) -> Option<Vec<Path>> {
         let image = &self.images[k];
-        let held = i * self.table.axes.azimuth_deg.len() + image.place;
-        exact.paths.get(held).map(|paths| image.seen_paths(paths))
+        let stored = i * self.table.axes.azimuth_deg.len() + image.place;
+        exact.paths.get(stored).map(|paths| image.seen_paths(paths))
     }
 
     /// Interpolates the paths from the corners of the cell and the directions next to them.
@@ -426,7 +426,7 @@ impl Cell<'_> {
     }
 
     /// Returns the corners of the cell and the directions next to them.
-    fn nodes(&self, exact: &Exact) -> Option<Vec<Node>> {
+    fn nodes(&self, exact: &Exact) -> Option<Vec<NearDirection>> {
         let incidences = &self.table.axes.incidence_deg;
         let around = self.incidences_around();
         let azimuths = self.azimuths_around();
@@ -434,7 +434,7 @@ impl Cell<'_> {
         for (i, &incidence_deg) in around.clone().zip(&incidences[around]) {
             for &k in &azimuths {
                 let azimuth_rad = self.images[k].azimuth_deg.to_radians();
-                nodes.push(Node {
+                nodes.push(NearDirection {
                     tau: self.tau(incidence_deg, azimuth_rad),
                     azimuth_rad,
                     paths: self.paths(exact, i, k)?,
@@ -473,8 +473,11 @@ impl Cell<'_> {
 
 /// Returns the places of an ascending axis around `x`, or `None` if `x` lies outside of the axis.
 fn between(axis: &[f64], x: f64) -> Option<Bracket> {
-    if let Some(held) = axis.iter().position(|&held| (held - x).abs() <= SAME_DEG) {
-        return Some((held, held, 0.0));
+    if let Some(stored) = axis
+        .iter()
+        .position(|&stored| (stored - x).abs() <= SAME_DEG)
+    {
+        return Some((stored, stored, 0.0));
     }
     let above = axis.iter().position(|&value| value > x)?;
     let below = above.checked_sub(1)?;
@@ -505,10 +508,10 @@ impl Axes {
 
 /// Returns the places of the images around an azimuth, or `None` if their gap is wider than
 /// `widest_deg`.
-fn around(images: &[Image], widest_deg: f64, x: f64) -> Option<Bracket> {
-    let held = |image: &Image| turn(image.azimuth_deg - x).abs() <= SAME_DEG;
-    if let Some(held) = images.iter().position(held) {
-        return Some((held, held, 0.0));
+fn around(images: &[AzimuthImage], widest_deg: f64, x: f64) -> Option<Bracket> {
+    let stored = |image: &AzimuthImage| turn(image.azimuth_deg - x).abs() <= SAME_DEG;
+    if let Some(stored) = images.iter().position(stored) {
+        return Some((stored, stored, 0.0));
     }
     let x = x.rem_euclid(360.0);
     let above = images.partition_point(|image| image.azimuth_deg <= x);

@@ -1,7 +1,7 @@
 //! What the interpolation between directions knows of each path, for those who bound its error.
 
 use crate::lookup::between::{
-    self, Course, FASTEST, Line, Node, Shape, absent, families, shapes, weights,
+    self, FASTEST, Line, LineTrack, NearDirection, PathShape, absent, families, shapes, weights,
 };
 
 /// Path of the sheet as the directions around a gap show it: all that the interpolation between
@@ -71,14 +71,14 @@ fn mean<const N: usize>(values: &[([f64; 2], [f64; N])], tau: [f64; 2]) -> [f64;
 ///
 /// They are those of [`between::paths`]: neither depends on the direction that is asked for, but
 /// only on which nodes have a share.
-pub(crate) fn known(nodes: &[Node], index: f64) -> Option<Vec<Family>> {
+pub(crate) fn known(nodes: &[NearDirection], index: f64) -> Option<Vec<Family>> {
     let seen = shapes(nodes, index)?;
     let of = |family: Vec<(usize, usize)>| {
-        let members: Vec<(&Node, &Shape)> = family
+        let members: Vec<(&NearDirection, &PathShape)> = family
             .iter()
             .map(|&(node, path)| (&nodes[node], &seen[node][path]))
             .collect();
-        let lines: Vec<Course> = between::lines(&members);
+        let lines: Vec<LineTrack> = between::lines(&members);
         let jumps = absent(nodes, &family, &lines, &members);
         let corners = || members.iter().flat_map(|(_, shape)| &shape.corners);
         let end = |axis: usize, start: f64, pick: fn(f64, f64) -> f64| {

@@ -1,7 +1,7 @@
 //! One direction of a table, as it is or interpolated, and as it is seen from a distance.
 //!
 //! A table and two angles enter. A [`direction::Direction`] leaves, with its bins, polygons and
-//! exit directions. The room touches the table and the errors.
+//! exit directions.
 
 pub(crate) mod between;
 pub(crate) mod direction;

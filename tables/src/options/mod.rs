@@ -4,18 +4,16 @@
 //! hold the words of a table. A word that this version knows becomes a type. A word of a later
 //! version is kept as it is, so that a table that is written again keeps its bytes. No other crate
 //! reads or makes these words. With the feature `cli` the types are values and options of a command
-//! line (clap). This room touches no other.
+//! line (clap).
 
-mod deviations;
-mod roughness;
 mod scene;
 mod stated;
 mod values;
 mod word;
 
-pub use deviations::Record;
-pub use roughness::{NoRoughness, Roughness, Slopes};
+pub use scene::Record;
 pub use scene::SceneOptions;
+pub use scene::{NoRoughness, Roughness, Slopes};
 pub use stated::StatedOptions;
 pub use values::{Back, Element, Front, Losses, Method, NormalsFrom, Sampler};
 pub use word::{Named, Word};

@@ -1,10 +1,9 @@
-//! Options that only some scenes need; each costs nothing where it is left out.
+//! Options that only some scenes need, such as roughness and the recording of exit directions; each
+//! costs nothing where it is left out.
 
-use std::fmt;
-
-use crate::options::deviations::Record;
-use crate::options::roughness::Roughness;
 use crate::options::values::{Element, Front, NormalsFrom};
+use std::fmt;
+use std::str::FromStr;
 
 /// Options that only some scenes need. As text, as in a table, those that are not at their default.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -78,5 +77,129 @@ impl fmt::Display for SceneOptions {
             named.push(format!("{FRONT} {}", self.front.name()));
         }
         f.write_str(&named.join(" "))
+    }
+}
+
+/// Value of `--deviations`.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Record {
+    /// Histogram of exit directions if the cell is not ideal; its range follows from the cell and
+    /// the angular tolerance.
+    #[default]
+    Auto,
+    /// No histogram of exit directions.
+    Off,
+    /// Histogram with this range, mrad, whatever the cell.
+    Within(f64),
+}
+
+impl FromStr for Record {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Record, String> {
+        let number = || text.parse().ok().filter(|x| (1e-3..=1e3).contains(x));
+        match text {
+            "auto" => Ok(Record::Auto),
+            "off" => Ok(Record::Off),
+            _ => number()
+                .map(Record::Within)
+                .ok_or_else(|| "give auto, off, or a range in mrad from 0.001 to 1000".into()),
+        }
+    }
+}
+
+impl fmt::Display for Record {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Record::Auto => f.write_str("auto"),
+            Record::Off => f.write_str("off"),
+            Record::Within(mrad) => write!(f, "{mrad}"),
+        }
+    }
+}
+
+/// Distribution of the slopes of rough facets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slopes {
+    /// Gaussian distribution.
+    Beckmann,
+    /// Distribution with long tails (Trowbridge and Reitz).
+    Ggx,
+}
+
+/// Roughness of facets: the distribution of slopes and its width.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Roughness {
+    slopes: Slopes,
+    alpha: f64,
+}
+
+/// Error of a roughness that is out of range or cannot be read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "give ALPHA or ggx:ALPHA, such as 0.001, with ALPHA above 0 and at most 1 (sqrt 2 times the \
+    rms slope); leave it out where facets are smooth"
+)]
+pub struct NoRoughness;
+
+impl Roughness {
+    /// Makes a roughness of these slopes; `alpha` must be above 0 and at most 1.
+    ///
+    /// # Errors
+    /// Returns [`NoRoughness`] if `alpha` is out of this range.
+    pub fn new(slopes: Slopes, alpha: f64) -> Result<Self, NoRoughness> {
+        let fits = alpha > 0.0 && alpha <= 1.0;
+        fits.then_some(Roughness { slopes, alpha })
+            .ok_or(NoRoughness)
+    }
+
+    /// Returns the distribution of the slopes.
+    #[inline]
+    pub fn slopes(&self) -> Slopes {
+        self.slopes
+    }
+
+    /// Returns the width of the slopes: for Beckmann, sqrt 2 times their rms.
+    #[inline]
+    pub fn alpha(&self) -> f64 {
+        self.alpha
+    }
+}
+
+impl FromStr for Roughness {
+    type Err = NoRoughness;
+
+    fn from_str(text: &str) -> Result<Self, NoRoughness> {
+        let (name, alpha) = text.split_once(':').unwrap_or(("beckmann", text));
+        let slopes = match name {
+            "beckmann" => Slopes::Beckmann,
+            "ggx" => Slopes::Ggx,
+            _ => return Err(NoRoughness),
+        };
+        Roughness::new(slopes, alpha.parse().map_err(|_| NoRoughness)?)
+    }
+}
+
+impl fmt::Display for Roughness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.slopes {
+            Slopes::Beckmann => write!(f, "{}", self.alpha),
+            Slopes::Ggx => write!(f, "ggx:{}", self.alpha),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_asked_is_read_back() {
+        for record in [Record::Auto, Record::Off, Record::Within(2.5)] {
+            assert_eq!(record.to_string().parse(), Ok(record));
+        }
+        for bad in ["", "on", "0", "-1", "nan", "inf", "5000"] {
+            assert!(bad.parse::<Record>().is_err(), "{bad}");
+        }
     }
 }

@@ -1,7 +1,6 @@
 //! Optical transfer functions of a direction: of its ray shift, and of the waves of its polygons.
 //!
-//! A direction and a line enter; complex values by frequency leave. The room touches the lookup,
-//! whose directions it transforms, and the polygons of the table. It knows no file.
+//! A direction and a line enter; complex values by frequency leave.
 
 pub(crate) mod hermite;
 pub(crate) mod polygon_wave;

@@ -85,7 +85,7 @@ pub(crate) fn spots(
     };
     let points = (POINTS as f64 * ruling.finer) as usize;
     let found = along_normal(exits, normal);
-    let mut cells: BTreeMap<[usize; 2], Vec<Point>> = BTreeMap::new();
+    let mut cells: BTreeMap<[usize; 2], Vec<GridPoint>> = BTreeMap::new();
     for &(cell, _) in found.iter().flat_map(|spot| &spot.light) {
         cells.entry(cell).or_insert_with(|| cut.cell(cell, points));
     }
@@ -140,7 +140,7 @@ fn boxes(ruling: &Ruling, width: f64, along: [f64; 2]) -> Vec<(f64, f64)> {
 }
 
 /// Point of the grid of shifts: its part of a cell's light, and this part times the shift.
-struct Point {
+struct GridPoint {
     index: usize,
     weight: f64,
     moment: f64,
@@ -159,7 +159,7 @@ struct Cut<'a> {
 
 impl Cut<'_> {
     /// Projects the bins of a cell on a grid of `count` points along the line.
-    fn cell(&self, [v, u]: [usize; 2], count: usize) -> Vec<Point> {
+    fn cell(&self, [v, u]: [usize; 2], count: usize) -> Vec<GridPoint> {
         let bins = &self.direction.probability;
         let inside = || {
             let rows = v * self.pool..(v + 1) * self.pool;
@@ -175,7 +175,7 @@ impl Cut<'_> {
             let (first, weights) = on_grid(x, spacing);
             for (i, weight) in (first..).zip(weights) {
                 let weight = weight * bins[(v, u)] / power;
-                points.push(Point {
+                points.push(GridPoint {
                     index: i.rem_euclid(count as i64) as usize,
                     weight,
                     moment: weight * x,

@@ -112,7 +112,7 @@ pub enum NoWaves {
 }
 
 /// Straight line over a strip: its values at both ends.
-type Side = [f64; 2];
+type EndValues = [f64; 2];
 
 /// Part of an aperture between two neighbouring corners, across the edge normal; edge lengths.
 #[derive(Debug, Clone)]
@@ -121,7 +121,7 @@ struct Strip {
     width: f64,
     /// Chords along the normal, measured from the cube's q: both ends, and the square root of the
     /// returned power.
-    chords: Vec<(Side, Side, f64)>,
+    chords: Vec<(EndValues, EndValues, f64)>,
 }
 
 /// Wave OTF of one direction along one line, for a spectrum.
@@ -350,7 +350,7 @@ fn strips(pieces: &[Chained]) -> Vec<Strip> {
         let middle = 0.5 * (cut[0] + cut[1]);
         let mut chords = Vec::new();
         for (polygon, amplitude) in pieces {
-            let mut sides: Vec<Side> = Vec::new();
+            let mut sides: Vec<EndValues> = Vec::new();
             for (k, p) in polygon.iter().enumerate() {
                 let q = polygon[(k + 1) % polygon.len()];
                 if (p[1] < middle) != (q[1] < middle) {
@@ -390,8 +390,13 @@ fn extent(cube: &[Strip]) -> f64 {
 ///
 /// The overlap goes from where both chords have begun to where one ends. The chord `ahead` is moved
 /// by +lag/2, the other by -lag/2. The derivatives by lag and by wave follow.
-fn common(ahead: &(Side, Side, f64), behind: &(Side, Side, f64), lag: f64, wave: f64) -> [f64; 3] {
-    let moved = |side: Side, by: f64| side.map(|end| end + by * lag);
+fn common(
+    ahead: &(EndValues, EndValues, f64),
+    behind: &(EndValues, EndValues, f64),
+    lag: f64,
+    wave: f64,
+) -> [f64; 3] {
+    let moved = |side: EndValues, by: f64| side.map(|end| end + by * lag);
     // Beginnings and ends of the chords, each with its motion by lag.
     let lows = [(moved(ahead.0, 0.5), 0.5), (moved(behind.0, -0.5), -0.5)];
     let highs = [(moved(ahead.1, 0.5), 0.5), (moved(behind.1, -0.5), -0.5)];
@@ -409,12 +414,13 @@ fn common(ahead: &(Side, Side, f64), behind: &(Side, Side, f64), lag: f64, wave:
         }
     }
     cuts[..count].sort_by(f64::total_cmp);
-    let at = |line: &Side, place: f64| line[0] + (line[1] - line[0]) * place;
+    let at = |line: &EndValues, place: f64| line[0] + (line[1] - line[0]) * place;
     let mut sum = [0.0; 3];
     for part in cuts[..=count].windows(2) {
         let (width, middle) = (part[1] - part[0], 0.5 * (part[0] + part[1]));
-        let by_place =
-            |a: &&(Side, f64), b: &&(Side, f64)| at(&a.0, middle).total_cmp(&at(&b.0, middle));
+        let by_place = |a: &&(EndValues, f64), b: &&(EndValues, f64)| {
+            at(&a.0, middle).total_cmp(&at(&b.0, middle))
+        };
         let (Some(low), Some(high)) = (lows.iter().max_by(by_place), highs.iter().min_by(by_place))
         else {
             continue;

@@ -54,11 +54,11 @@ impl Waves {
 
 /// Rows of a histogram without the zeros at their ends; shifts fill a third of the range or less.
 pub(crate) struct Rows {
-    rows: Vec<Row>,
+    rows: Vec<HistogramRow>,
 }
 
 /// One row of a histogram, without the zeros at its ends.
-struct Row {
+struct HistogramRow {
     /// Index along v.
     v: usize,
     /// First index along u, a multiple of `STEP`.
@@ -90,7 +90,7 @@ impl Rows {
                     };
                     (first..=last).step_by(STEP).map(four).collect()
                 };
-                rows.push(Row {
+                rows.push(HistogramRow {
                     v,
                     first,
                     plain: padded(&|u| row[u]),

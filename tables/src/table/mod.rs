@@ -1,7 +1,6 @@
 //! Ray-shift tables in memory: axes, counts, fates, polygons, deviations, provenance, and rules.
 //!
 //! Counts or polygons enter. A [`table::Table`] leaves, and all of its numbers follow from them.
-//! The room touches the options that the provenance states, and no other room.
 
 pub(crate) mod axes;
 pub(crate) mod check;

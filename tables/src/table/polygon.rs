@@ -42,7 +42,7 @@ pub(crate) fn fan(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64;
 /// Event of a walk around a polygon that a line cuts: points with their value, which is 0 on the
 /// line.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Met<P> {
+pub enum Intersection<P> {
     /// Corner with its value.
     Corner(P, f64),
     /// Edge across the line, from a corner to the next; neither of them is on the line.
@@ -54,15 +54,19 @@ pub enum Met<P> {
 /// The walk begins with the edge from the last corner to the first. `value` is negative on one side
 /// of the line and positive on the other.
 #[inline]
-pub fn walk<P: Copy>(corners: &[P], value: impl Fn(P) -> f64, mut meet: impl FnMut(Met<P>)) {
+pub fn walk<P: Copy>(
+    corners: &[P],
+    value: impl Fn(P) -> f64,
+    mut meet: impl FnMut(Intersection<P>),
+) {
     let Some(&last) = corners.last() else { return };
     let mut before = (last, value(last));
     for &corner in corners {
         let here = (corner, value(corner));
         if here.1 * before.1 < 0.0 {
-            meet(Met::Crossing([before, here]));
+            meet(Intersection::Crossing([before, here]));
         }
-        meet(Met::Corner(here.0, here.1));
+        meet(Intersection::Corner(here.0, here.1));
         before = here;
     }
 }
@@ -79,7 +83,7 @@ pub fn clip<P: Copy>(
     let mut seen = 0;
     let mut closing = None;
     walk(corners, value, |met| match met {
-        Met::Crossing([(p, a), (q, b)]) => {
+        Intersection::Crossing([(p, a), (q, b)]) => {
             let point = on(p, q, a / (a - b));
             // The edge from the last corner to the first comes at the end.
             if seen == 0 {
@@ -88,7 +92,7 @@ pub fn clip<P: Copy>(
                 kept.push(point);
             }
         }
-        Met::Corner(p, value) => {
+        Intersection::Corner(p, value) => {
             seen += 1;
             if value <= 0.0 {
                 kept.push(p);

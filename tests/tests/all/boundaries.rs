@@ -114,7 +114,7 @@ fn one_file_names_the_bvh() {
     }
     assert_eq!(
         files_with(|line| line.contains("obvhs")),
-        ["bake/src/rays/tree.rs"]
+        ["bake/src/rays/hierarchy/tree.rs"]
     );
 }
 

@@ -4,7 +4,9 @@
 use crate::cell::Whole;
 use crate::optics::Incidence;
 use crate::plan::{Plan, Request};
-use crate::rays::{Bins, Event, Index, Kernel, Outcome, Part, Scene, Tally, Tracer, trace};
+use crate::rays::{
+    Accumulator, Bins, Event, Index, Kernel, Outcome, SampleRange, Scene, Tracer, trace,
+};
 use crate::samples::{Launch, Stream};
 use crate::tests::bakes;
 use crate::tests::bakes::asked;
@@ -258,7 +260,7 @@ fn large_scenes_are_traced_in_any_order() {
     let (launch, bins) = (Launch::new(&cell.entrance), Bins::new(64, 2.0));
     let stream = Stream::new(Sampler::Sobol, 1, 20.0, 30.0, 0);
     let kernel = Kernel::new(&scene, &launch, &RULES, &bins, 20.0, 30.0);
-    let (mut sorted, mut plain) = (Tally::new(&bins), Tally::new(&bins));
+    let (mut sorted, mut plain) = (Accumulator::new(&bins), Accumulator::new(&bins));
     kernel.trace(&stream, 0..RAYS, &mut sorted);
     let light = Incidence::new(20_f64.to_radians(), 30_f64.to_radians(), 1.0);
     for index in 0..RAYS {
@@ -271,7 +273,7 @@ fn large_scenes_are_traced_in_any_order() {
 }
 
 /// Samples of several randomisations are traced together, in swarms, on curved facets and on planar
-/// ones. Each tally is the one that its samples give alone.
+/// ones. Each accumulator is the one that its samples give alone.
 #[test]
 fn samples_traced_together_are_counted_apart() {
     let (mut cases, mut counted) = (0, 0);
@@ -281,19 +283,19 @@ fn samples_traced_together_are_counted_apart() {
         let (launch, bins) = (Launch::new(&cell.entrance), Bins::new(32, 2.0));
         let kernel = Kernel::new(&scene, &launch, &RULES, &bins, 20.0, 30.0);
         assert!(kernel.mixes());
-        let part = |number: u64| Part {
+        let part = |number: u64| SampleRange {
             stream: Stream::new(Sampler::Sobol, 1, 20.0, 30.0, number),
             samples: 10 * number..10 * number + 3_000 + number,
         };
-        let parts: Vec<Part> = (0..5).map(part).collect();
-        let mut together = vec![Tally::new(&bins); parts.len()];
+        let parts: Vec<SampleRange> = (0..5).map(part).collect();
+        let mut together = vec![Accumulator::new(&bins); parts.len()];
         kernel.trace_parts(&parts, &mut together);
-        for (part, tally) in parts.iter().zip(&together) {
-            let mut alone = Tally::new(&bins);
+        for (part, accumulator) in parts.iter().zip(&together) {
+            let mut alone = Accumulator::new(&bins);
             kernel.trace_one_by_one(&part.stream, part.samples.clone(), &mut alone);
-            assert_eq!(*tally, alone);
+            assert_eq!(*accumulator, alone);
             cases += 1;
-            counted += tally.fates.iter().sum::<u64>();
+            counted += accumulator.fates.iter().sum::<u64>();
         }
     }
     assert_eq!((cases, counted), (10, 2 * (5 * 3_000 + 10)));

@@ -51,19 +51,19 @@ fn clipped(polygon: &[DVec2], inside: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
 }
 
 /// Light inside a hollow cube.
-struct Light {
+struct InsideLight {
     travel: DVec3,
     /// Apex, carried along the light to the aperture plane.
     apex: DVec2,
 }
 
-impl Light {
+impl InsideLight {
     fn new(incidence_deg: f64, azimuth_deg: f64) -> Self {
         let (sin, cos) = incidence_deg.to_radians().sin_cos();
         let (y, x) = azimuth_deg.to_radians().sin_cos();
         let travel = DVec3::new(sin * x, sin * y, -cos);
         let apex = (travel / travel.z).truncate() / 3_f64.sqrt();
-        Light { travel, apex }
+        InsideLight { travel, apex }
     }
 
     /// Returns the polygon through which the light enters that an ideal cube returns: the
@@ -114,7 +114,7 @@ fn rounded_edges_take_three_bands() {
                 design.strips = strips;
             });
             for direction in DIRECTIONS {
-                let light = Light::new(direction.0, direction.1);
+                let light = InsideLight::new(direction.0, direction.1);
                 let d = axes.map(|axis| axis.dot(light.travel));
                 let band = |k: usize, p: DVec2| {
                     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -200,7 +200,7 @@ fn a_flat_apex_takes_an_octahedron() {
     for part in [1e-3, 0.1, 0.3] {
         let blunt = single(|design| design.apex_flat = part);
         for direction in DIRECTIONS {
-            let light = Light::new(direction.0, direction.1);
+            let light = InsideLight::new(direction.0, direction.1);
             let d = ideal_edges().map(|axis| axis.dot(light.travel));
             let faces = (0..8_u32).map(|signs| {
                 let signed = [0, 1, 2].map(|k| if signs >> k & 1 == 0 { d[k] } else { -d[k] });

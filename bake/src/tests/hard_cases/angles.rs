@@ -2,7 +2,7 @@
 
 use crate::optics::Incidence;
 use crate::tests::cells::closed_form;
-use crate::tests::hard_cases::both::{Light, cell};
+use crate::tests::hard_cases::both::{BothOptions, cell};
 use meshes::design::Shape;
 use tables::Fate;
 use tables::options::Method;
@@ -21,7 +21,7 @@ fn grazing_incidence() {
     let (mut cases, mut worst, mut returning) = (0, 0.0_f64, 0);
     for shape in Shape::ALL {
         for index in [1.0, 1.49] {
-            let mut light = Light::new("89.9", "0,30,77,180").inside(index);
+            let mut light = BothOptions::new("89.9", "0,30,77,180").inside(index);
             if shape == Shape::FullCube && index == 1.0 {
                 // A ray crosses hundreds of cells before it meets a mirror, which makes 0.04
                 // million rays a second.
@@ -42,7 +42,7 @@ fn grazing_incidence() {
     assert_eq!(cases, 4 * 2 * 4);
     // Hollow cubes are cut off. Behind a front face light arrives at 42 deg.
     assert!((4..=16).contains(&returning), "{returning}");
-    let solid = Light::new("89.9", "60")
+    let solid = BothOptions::new("89.9", "60")
         .inside(1.49)
         .on("solid", &cell(Shape::Triangular));
     let error = (solid.exact.retroreflected[[0, 0]] - eta(89.9, 60.0, 1.49)).abs();
@@ -56,7 +56,7 @@ fn grazing_incidence() {
 #[test]
 fn grazing_incidence_along_the_rows_of_a_lattice() {
     let cube = cell(Shape::FullCube);
-    let mut light = Light::new("89.8,89.9", "29.9,29.99,30,150");
+    let mut light = BothOptions::new("89.8,89.9", "29.9,29.99,30,150");
     light.rays = 40_000;
     let both = light.on("along the rows", &cube);
     let mut cases = 0;
@@ -101,7 +101,7 @@ fn both_sides_of_the_cutoffs() {
             for (offset, lit) in [(-1e-9, true), (1e-9, false)] {
                 let incidence = cutoff_deg + offset;
                 let name = format!("index {index}, {incidence:.10} deg");
-                let light = Light::new(format!("{incidence}"), azimuth).inside(index);
+                let light = BothOptions::new(format!("{incidence}"), azimuth).inside(index);
                 let both = light.on(&name, &cube);
                 let found = both.exact.retroreflected[[0, 0]];
                 let expected = eta(incidence, azimuth.parse().expect("a number"), index);
@@ -140,7 +140,7 @@ fn both_sides_of_total_internal_reflection() {
     assert!((limit_deg - 18.94).abs() < 0.005, "{limit_deg}");
     // Azimuth 180 is light that travels away from the first edge and so comes from its side.
     let light = |offset: f64| {
-        Light::new(format!("{}", limit_deg + offset), "180")
+        BothOptions::new(format!("{}", limit_deg + offset), "180")
             .inside(index)
             .without_mirrors()
     };
@@ -175,7 +175,7 @@ fn an_index_next_to_one() {
     let (mut cases, mut worst) = (0, 0.0_f64);
     for shape in Shape::ALL {
         let cell = cell(shape);
-        let hollow = Light::new("0,20,45", "0,60");
+        let hollow = BothOptions::new("0,20,45", "0,60");
         let solid = hollow.clone().inside(1.0 + 1e-9);
         let near = solid.on(shape.name(), &cell);
         let one = hollow.bake(&cell, Method::Exact);
@@ -208,7 +208,7 @@ fn a_cell_that_returns_nothing() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut cases = 0;
     for (incidence, azimuth) in [("40", "0,30"), ("45", "0,90"), ("89.9", "60")] {
-        let both = Light::new(incidence, azimuth).on("empty", &cube);
+        let both = BothOptions::new(incidence, azimuth).on("empty", &cube);
         for table in [&both.rays, &both.exact] {
             assert!(table.retroreflected.iter().all(|&eta| eta == 0.0));
             assert!(table.standard_error.iter().all(|&error| error == 0.0));

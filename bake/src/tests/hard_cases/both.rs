@@ -22,7 +22,7 @@ pub(crate) struct Both {
 
 /// The directions and options of a bake.
 #[derive(Clone)]
-pub(crate) struct Light {
+pub(crate) struct BothOptions {
     pub incidence: String,
     pub azimuth: String,
     pub index: f64,
@@ -31,9 +31,9 @@ pub(crate) struct Light {
     pub rays: u64,
 }
 
-impl Light {
+impl BothOptions {
     pub(crate) fn new(incidence: impl Into<String>, azimuth: &str) -> Self {
-        Light {
+        BothOptions {
             incidence: incidence.into(),
             azimuth: azimuth.into(),
             index: 1.0,
@@ -43,11 +43,11 @@ impl Light {
     }
 
     pub(crate) fn inside(self, index: f64) -> Self {
-        Light { index, ..self }
+        BothOptions { index, ..self }
     }
 
     pub(crate) fn without_mirrors(self) -> Self {
-        Light {
+        BothOptions {
             back: Back::Tir,
             ..self
         }

@@ -1,11 +1,11 @@
-//! Samples, tallies, sums and tables from one ray to more than 2^34.
+//! Samples, accumulators, sums and tables from one ray to more than 2^34.
 
 use crate::optics::Rules;
 use crate::plan::Request;
-use crate::rays::{Bins, Index, Kernel, Scene, Sums, Tally};
+use crate::rays::{Accumulator, Bins, Index, Kernel, Scene, Sums};
 use crate::samples::{Launch, Stream};
 use crate::tests::bakes::compare;
-use crate::tests::hard_cases::both::{Light, bake, cell, sound};
+use crate::tests::hard_cases::both::{BothOptions, bake, cell, sound};
 use meshes::design::Shape;
 use ndarray::{Array4, Array5};
 use std::sync::Arc;
@@ -23,7 +23,7 @@ fn one_ray() {
             let request = Request {
                 rays: Some(1),
                 sampler,
-                ..Light::new("0,20", "0").request(Method::Rays)
+                ..BothOptions::new("0,20", "0").request(Method::Rays)
             };
             let table = bake(&cell(shape), &request);
             sound(&table, shape.name());
@@ -38,7 +38,7 @@ fn one_ray() {
             let file = folder.path().join("one.h5");
             tables::write(&table, &file).expect("writes");
             assert_eq!(tables::read(&file).expect("reads"), table);
-            let exact = Light::new("0,20", "0").bake(&cell(shape), Method::Exact);
+            let exact = BothOptions::new("0,20", "0").bake(&cell(shape), Method::Exact);
             assert!(
                 tables::l1(&table, &exact)
                     .iter()
@@ -89,21 +89,21 @@ fn the_last_samples() {
     assert_eq!(cases, 6);
 }
 
-/// Counters that start near the limits of 2^32 and 2^34 rays a bin go on in 64 bits, from the tally
-/// to the file.
+/// Counters that start near the limits of 2^32 and 2^34 rays a bin go on in 64 bits, from the
+/// accumulator to the file.
 #[test]
 fn more_than_2_to_the_34_rays() {
     let bins = Bins::new(4, 2.0);
-    let mut tally = Tally::new(&bins);
-    // A tally takes at most 2^32 - 1 rays, so runs are cut to fewer.
+    let mut accumulator = Accumulator::new(&bins);
+    // An accumulator takes at most 2^32 - 1 rays, so runs are cut to fewer.
     let full = u32::MAX;
-    tally.histogram[5] = full;
-    tally.fates[Fate::Retroreflected as usize] = u64::from(full);
-    tally.fates[Fate::LeftAfter1 as usize] = 1;
+    accumulator.histogram[5] = full;
+    accumulator.fates[Fate::Retroreflected as usize] = u64::from(full);
+    accumulator.fates[Fate::LeftAfter1 as usize] = 1;
     let mut sums = Sums::new(&bins, 2);
     for _ in 0..5 {
-        sums.add(0, &tally);
-        sums.add(1, &tally);
+        sums.add(0, &accumulator);
+        sums.add(1, &accumulator);
     }
     let back = 10 * u64::from(full);
     assert!(back > 1 << 34);
@@ -111,7 +111,7 @@ fn more_than_2_to_the_34_rays() {
     assert_eq!(sums.rays(), back + 10);
     assert_eq!(sums.l1_error(), 0.0, "equal randomisations");
 
-    let light = Light::new("20", "0");
+    let light = BothOptions::new("20", "0");
     let request = Request {
         bins: 4,
         ..light.request(Method::Rays)

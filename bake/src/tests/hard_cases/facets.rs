@@ -3,7 +3,7 @@
 
 use crate::optics::{Incidence, Rules};
 use crate::rays::{Index, Scene, trace};
-use crate::tests::hard_cases::both::{Light, cell, normalised};
+use crate::tests::hard_cases::both::{BothOptions, cell, normalised};
 use meshes::design::{Design, Shape};
 use meshes::{Fault, Mesh};
 use tables::Fate;
@@ -33,7 +33,7 @@ fn with_sliver(height: f64, side: usize) -> Mesh {
 /// as rounding, which count twice in L1.
 #[test]
 fn slivers() {
-    let light = Light::new("0,20,40", "0,30").inside(1.49);
+    let light = BothOptions::new("0,20,40", "0,30").inside(1.49);
     let whole = light.bake(&cell(Shape::TriangularPair), Method::Exact);
     let mut cases = 0;
     let heights = [1e-2, 1e-4, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11];
@@ -142,7 +142,7 @@ fn dihedral_errors() {
                 spots.push(off);
             }
         }
-        let both = Light::new("0,15", "0,40").on(&format!("dihedral {error}"), &bent);
+        let both = BothOptions::new("0,15", "0,40").on(&format!("dihedral {error}"), &bent);
         let eta = both.exact.retroreflected[[0, 0]];
         println!(
             "dihedral error {error:.0e}: {} spots, off by {worst:.1e} of their distance; eta \

@@ -5,7 +5,7 @@
 //! (`cargo test -p bake --lib hard_cases::leaks -- --nocapture`).
 
 use crate::optics::{Incidence, Rules};
-use crate::rays::{Bins, Index, Kernel, Scene, Tally, trace};
+use crate::rays::{Accumulator, Bins, Index, Kernel, Scene, trace};
 use crate::samples::{Launch, Stream, centred};
 use crate::tests::cells::{self, edges};
 use crate::tests::hard_cases::both::cell;
@@ -190,12 +190,12 @@ fn none_lost_in_programs() {
         let totals: Vec<(u64, u64)> = (0..rays.div_ceil(PIECE))
             .into_par_iter()
             .map(|piece| {
-                let mut tally = Tally::new(&bins);
+                let mut accumulator = Accumulator::new(&bins);
                 let samples = piece * PIECE..rays.min((piece + 1) * PIECE);
-                kernel.trace(&stream, samples, &mut tally);
-                let of = |fate: Fate| tally.fates[fate as usize];
+                kernel.trace(&stream, samples, &mut accumulator);
+                let of = |fate: Fate| accumulator.fates[fate as usize];
                 let gone = of(Fate::Missed) + of(Fate::Absorbed) + of(Fate::BounceLimit);
-                let all: u64 = tally.fates.iter().sum();
+                let all: u64 = accumulator.fates.iter().sum();
                 (all, all - gone)
             })
             .collect();

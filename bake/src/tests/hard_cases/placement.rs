@@ -1,6 +1,6 @@
 //! The place and the size of a cell in its file do not matter, as far as the digits of the file go.
 
-use crate::tests::hard_cases::both::{Light, cell};
+use crate::tests::hard_cases::both::{BothOptions, cell};
 use glam::DVec3;
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh, load_cell, write};
@@ -9,8 +9,8 @@ use tables::options::Method;
 
 const LIGHT: (&str, &str) = ("0,20,45", "0,30");
 
-fn light() -> Light {
-    Light::new(LIGHT.0, LIGHT.1).inside(1.49)
+fn light() -> BothOptions {
+    BothOptions::new(LIGHT.0, LIGHT.1).inside(1.49)
 }
 
 /// Writes `mesh` as OBJ and loads it again, as a user's file is loaded.

@@ -185,7 +185,7 @@ impl Nominal {
             Cell::Prisms => include_bytes!("../../../sheets/prisms.h5"),
             Cell::HollowCubes => include_bytes!("../../../sheets/hollow-cubes.h5"),
         };
-        tables::read_held(bytes, Path::new(self.name))
+        tables::read_in_memory(bytes, Path::new(self.name))
     }
 
     /// Returns the sheet as a result. `mu` and `half_mirror` take the place of its own if given.

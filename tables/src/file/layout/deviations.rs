@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::file::layout::flat::Flat;
 use crate::file::layout::names::deviation;
 use crate::file::layout::place::Place;
-use crate::file::layout::put::put;
+use crate::file::layout::store::put;
 use crate::table::deviation::{Deviations, Grid};
 use crate::table::flat::FlatEntries;
 

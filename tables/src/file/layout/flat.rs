@@ -4,7 +4,7 @@ use hdf5::{Dataset, Group, H5Type, Result};
 use ndarray::ArrayViewD;
 
 use crate::file::layout::names::Dimension;
-use crate::file::layout::put::dataset;
+use crate::file::layout::store::dataset;
 use crate::file::scales::{attach_scale, set_scale};
 
 /// Name by which netCDF knows a scale that has no coordinates.

@@ -11,7 +11,7 @@ use crate::error::{BAKE_AGAIN, Error, NAME_A_TABLE};
 use crate::file::layout::names::{self, Variable, attribute};
 use crate::file::layout::place::{Place, ROUNDING, near};
 use crate::file::layout::{deviations, polygons};
-use crate::file::ledger::Ledger;
+use crate::file::limits::Ledger;
 use crate::options::{StatedOptions, Word};
 use crate::table::axes::Axes;
 use crate::table::check;

@@ -33,7 +33,7 @@ pub(crate) const MOST_BYTES: u64 = 1 << 31;
 
 /// Dimension scale: name, unit and meaning.
 #[derive(PartialEq)]
-pub(crate) struct Scale {
+pub(crate) struct DimensionScale {
     pub(crate) name: &'static str,
     pub(crate) c_name: &'static CStr,
     pub(crate) units: &'static str,
@@ -43,43 +43,43 @@ pub(crate) struct Scale {
 /// Dataset over scales.
 pub(crate) struct Variable {
     pub(crate) name: &'static str,
-    pub(crate) scales: &'static [&'static Scale],
+    pub(crate) scales: &'static [&'static DimensionScale],
     pub(crate) units: &'static str,
     pub(crate) long_name: &'static str,
 }
 
-pub(crate) const INCIDENCE: Scale = Scale {
+pub(crate) const INCIDENCE: DimensionScale = DimensionScale {
     name: "incidence_deg",
     c_name: c"incidence_deg",
     units: "degree",
     long_name: "angle of incidence outside the sheet, from its normal",
 };
-pub(crate) const AZIMUTH: Scale = Scale {
+pub(crate) const AZIMUTH: DimensionScale = DimensionScale {
     name: "azimuth_deg",
     c_name: c"azimuth_deg",
     units: "degree",
     long_name: "azimuth of incidence about the normal, from azimuth_zero; NaN for the mean over \
     all azimuths",
 };
-pub(crate) const SHIFT_V: Scale = Scale {
+pub(crate) const SHIFT_V: DimensionScale = DimensionScale {
     name: "shift_v",
     c_name: c"shift_v",
     units: "edge_length",
     long_name: "ray shift along v = n x u, bin centres",
 };
-pub(crate) const SHIFT_U: Scale = Scale {
+pub(crate) const SHIFT_U: DimensionScale = DimensionScale {
     name: "shift_u",
     c_name: c"shift_u",
     units: "edge_length",
     long_name: "ray shift along u, the in-plane travel direction, bin centres",
 };
-pub(crate) const FATE_NAME: Scale = Scale {
+pub(crate) const FATE_NAME: DimensionScale = DimensionScale {
     name: "fate_name",
     c_name: c"fate_name",
     units: "1",
     long_name: "what became of a ray",
 };
-pub(crate) const RANDOMISATION: Scale = Scale {
+pub(crate) const RANDOMISATION: DimensionScale = DimensionScale {
     name: "randomisation",
     c_name: c"randomisation",
     units: "1",

@@ -15,8 +15,8 @@ use hdf5::{Attribute, Dataset, Group, H5Type, LinkType};
 use ndarray::{ArrayD, Dimension, IxDyn};
 
 use crate::error::{BAKE_AGAIN, BAKE_LESS, Error};
-use crate::file::layout::names::{self, MOST_BYTES, Scale, Variable};
-use crate::file::ledger::Ledger;
+use crate::file::layout::names::{self, DimensionScale, MOST_BYTES, Variable};
+use crate::file::limits::Ledger;
 use crate::table::axes::Axes;
 use crate::table::fate::Fate;
 
@@ -228,7 +228,7 @@ impl<'a> Place<'a> {
     }
 
     /// Reads a dataset whose shape fits `expected`, where `None` stands for any length.
-    pub(crate) fn flat<T: Element>(
+    pub(crate) fn flat<T: NumericElement>(
         &self,
         name: &str,
         expected: &[Option<usize>],
@@ -254,7 +254,7 @@ impl<'a> Place<'a> {
     }
 
     /// Reads an array of this shape.
-    pub(crate) fn array<T: Element, D: Dimension>(
+    pub(crate) fn array<T: NumericElement, D: Dimension>(
         &self,
         variable: &Variable,
         shape: &[usize],
@@ -270,7 +270,7 @@ impl<'a> Place<'a> {
     }
 
     /// Reads a dimension scale.
-    pub(crate) fn scale(&self, scale: &Scale) -> Result<Vec<f64>, Error> {
+    pub(crate) fn scale(&self, scale: &DimensionScale) -> Result<Vec<f64>, Error> {
         Ok(self.flat(scale.name, &[None])?.0)
     }
 
@@ -287,7 +287,7 @@ impl<'a> Place<'a> {
     }
 
     /// Checks that a scale holds the centres of the bins.
-    pub(crate) fn bins(&self, scale: &Scale, axes: &Axes) -> Result<(), Error> {
+    pub(crate) fn bins(&self, scale: &DimensionScale, axes: &Axes) -> Result<(), Error> {
         let (centres, _) = self.flat::<f64>(scale.name, &[Some(axes.bins)])?;
         let wrong =
             |&(i, found): &(usize, &f64)| !near(*found, axes.bin_centre(i), ROUNDING * axes.range);
@@ -340,16 +340,16 @@ pub(crate) fn near(a: f64, b: f64, tolerance: f64) -> bool {
 }
 
 /// Element types of numeric datasets.
-pub(crate) trait Element: H5Type {
+pub(crate) trait NumericElement: H5Type {
     /// Element type in the file.
     const KIND: TypeDescriptor;
 }
 
-impl Element for f64 {
+impl NumericElement for f64 {
     const KIND: TypeDescriptor = TypeDescriptor::Float(FloatSize::U8);
 }
 
-impl Element for u64 {
+impl NumericElement for u64 {
     const KIND: TypeDescriptor = TypeDescriptor::Unsigned(IntSize::U8);
 }
 

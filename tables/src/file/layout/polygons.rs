@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::file::layout::names::exact;
-use crate::file::layout::place::{Element, Place};
+use crate::file::layout::place::{NumericElement, Place};
 use crate::table::exact::Exact;
 use crate::table::flat::FlatPaths;
 
@@ -52,7 +52,7 @@ pub(crate) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Err
 }
 
 /// Reads an array that some tables leave out. It is then empty.
-fn optional<T: Element>(
+fn optional<T: NumericElement>(
     place: &Place,
     name: &str,
     shape: &[Option<usize>],

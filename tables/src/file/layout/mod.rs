@@ -8,7 +8,6 @@ mod load;
 mod names;
 mod place;
 mod polygons;
-mod put;
 mod store;
 
 pub(crate) use load::load;

@@ -1,10 +1,10 @@
 //! Rays of rough facets side by side against single rays, ray for ray, on every instruction set.
 
 use crate::optics::Rules;
-use crate::rays::{Bins, Index, InstructionSet, Kernel, Scene, Sheet, Tally};
+use crate::rays::{Accumulator, Bins, Index, InstructionSet, Kernel, Scene, Sheet};
 use crate::samples::{Launch, Stream};
 use crate::tests::bakes::compare;
-use crate::tests::kernels::patch;
+use crate::tests::rays::kernels::patch;
 use crate::tests::{bakes, cells};
 use meshes::Cell;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use tables::options::{Element, Roughness, Sampler, Slopes};
 
 /// Number of rays of a case, and of the rays that are compared at a time.
 ///
-/// A run begins and ends within a bundle.
+/// A run begins and ends within a vector.
 const RAYS: u64 = 20_000;
 const SOME: u64 = 100;
 
@@ -68,8 +68,8 @@ fn flights_equal_single_rays_ray_for_ray() {
                     let stream = Stream::new(sampler, 3, incidence, azimuth, 0);
                     assert!(kernel.flies());
                     for first in (5..RAYS + 5).step_by(SOME as usize) {
-                        let tally = compare(&kernel, &bins, &stream, first..first + SOME);
-                        for (sum, count) in fates.iter_mut().zip(tally.fates) {
+                        let accumulator = compare(&kernel, &bins, &stream, first..first + SOME);
+                        for (sum, count) in fates.iter_mut().zip(accumulator.fates) {
                             *sum += count;
                         }
                     }
@@ -109,8 +109,8 @@ fn flights_agree_on_all_instruction_sets() {
                 let kernel = Kernel::over(&sheet, &rules, &bins, 30.0, 10.0).on(set);
                 compare(&kernel, &bins, &stream, 0..30_000)
             });
-            let counts: Vec<Tally> = counts.collect();
-            assert!(counts.iter().all(|tally| *tally == counts[0]));
+            let counts: Vec<Accumulator> = counts.collect();
+            assert!(counts.iter().all(|accumulator| *accumulator == counts[0]));
             cases += counts.len();
         }
     }

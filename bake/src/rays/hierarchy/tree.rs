@@ -4,7 +4,7 @@
 //! variant is not used, because it has an absolute epsilon near surfaces.
 
 use crate::optics::Triangle;
-use crate::rays::block::{Block, SIDE_BY_SIDE};
+use crate::rays::hierarchy::block::{Block, SIDE_BY_SIDE};
 use glam::{DMat3, DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -20,7 +20,7 @@ pub(crate) struct Boxes {
 
 /// Node of the hierarchy with eight children.
 #[repr(align(64))]
-pub(crate) struct Node {
+pub(crate) struct WideNode {
     /// Boxes of the children, in the frame of the node.
     pub boxes: Boxes,
     /// Numbers of nodes, or of blocks marked with [`BLOCK`].
@@ -34,8 +34,8 @@ pub(crate) struct Node {
 /// Bit that marks a child as a block.
 pub(crate) const BLOCK: u32 = 1 << 31;
 
-impl Node {
-    const EMPTY: Node = Node {
+impl WideNode {
+    const EMPTY: WideNode = WideNode {
         boxes: Boxes {
             ends: [[[f32::INFINITY; 8]; 3]; 2],
         },
@@ -73,7 +73,7 @@ impl Space<'_> {
 /// down.
 pub(crate) struct Wide {
     /// Nodes, the root first.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<WideNode>,
     /// Blocks of facets.
     pub blocks: Vec<Block>,
     /// Largest number of children still to be looked at.
@@ -182,7 +182,7 @@ impl Binary {
 
     /// Returns the nodes of this tree with eight children to a node.
     fn widened(&self, space: &Space) -> Wide {
-        let (mut nodes, mut blocks) = (vec![Node::EMPTY], Vec::new());
+        let (mut nodes, mut blocks) = (vec![WideNode::EMPTY], Vec::new());
         let mut deepest = 0;
         // Each entry is a node of the tree, its place among `nodes`, and its depth.
         let mut open = vec![(0_usize, 0_usize, 0_usize)];
@@ -215,7 +215,7 @@ impl Binary {
                     BLOCK | (blocks.len() as u32 - 1)
                 } else {
                     open.push((child, nodes.len(), depth + 1));
-                    nodes.push(Node::EMPTY);
+                    nodes.push(WideNode::EMPTY);
                     nodes.len() as u32 - 1
                 };
             }

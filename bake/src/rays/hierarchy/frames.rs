@@ -21,7 +21,7 @@ const ALIKE: f64 = 0.995;
 const WORTHWHILE: f64 = 0.1;
 
 /// Normals that are alike, whatever their sign.
-struct Group {
+struct AlikeNormals {
     axis: DVec3,
     area: f64,
 }
@@ -30,16 +30,16 @@ struct Group {
 ///
 /// Every frame is a rotation. If most facets lie in no such frame, the last one is the cell frame.
 pub(crate) fn frames(facets: &[Triangle]) -> Vec<DMat3> {
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups: Vec<AlikeNormals> = Vec::new();
     let mut whole = 0.0;
     for facet in facets.iter().step_by(facets.len().div_ceil(SAMPLE)) {
         let [a, b, c] = facet.corners;
         let area = (b - a).cross(c - a).length() / 2.0;
         whole += area;
-        let alike = |group: &Group| group.axis.dot(facet.normal).abs() > ALIKE;
+        let alike = |group: &AlikeNormals| group.axis.dot(facet.normal).abs() > ALIKE;
         match groups.iter().position(alike) {
             Some(known) => groups[known].area += area,
-            None if groups.len() < GROUPS => groups.push(Group {
+            None if groups.len() < GROUPS => groups.push(AlikeNormals {
                 axis: facet.normal,
                 area,
             }),
@@ -59,7 +59,7 @@ pub(crate) fn frames(facets: &[Triangle]) -> Vec<DMat3> {
         let second = across.map_or(first.any_orthonormal_vector(), |group| group.axis);
         let third = first.cross(second).normalize();
         let frame = DMat3::from_cols(first, third.cross(first), third).transpose();
-        let fits = |group: &Group| (frame * group.axis).abs().max_element() > ALIKE;
+        let fits = |group: &AlikeNormals| (frame * group.axis).abs().max_element() > ALIKE;
         let part: f64 = groups.iter().filter(|g| fits(g)).map(|g| g.area).sum();
         if part < WORTHWHILE * whole {
             break;

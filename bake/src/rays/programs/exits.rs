@@ -4,10 +4,10 @@
 //! number of its exit direction. Where there are few exit directions, each has a counter for each
 //! bin, and nothing is sorted. Where there are many, the rays are listed.
 
-use crate::rays::bins::Bins;
+use crate::rays::accumulator::Accumulator;
+use crate::rays::accumulator::Bins;
 use crate::rays::lane::LANES;
-use crate::rays::program::Program;
-use crate::rays::tally::Tally;
+use crate::rays::programs::program::Program;
 use std::collections::HashMap;
 use tables::deviation::{Entry, Grid};
 
@@ -15,7 +15,7 @@ use tables::deviation::{Entry, Grid};
 const MOST_COUNTERS: usize = 1 << 21;
 
 /// Exit directions of the programs of a sheet, numbered.
-pub(crate) struct Exits {
+pub(crate) struct NumberedExits {
     grid: Grid,
     /// Place of each exit direction in the first cell of the grid.
     places: Vec<u64>,
@@ -23,7 +23,7 @@ pub(crate) struct Exits {
     starts: Vec<Vec<f64>>,
 }
 
-impl Exits {
+impl NumberedExits {
     /// Numbers the exit directions of `programs` on `grid`.
     ///
     /// Returns `None` if 32 bits cannot number all bins of all exit directions.
@@ -43,7 +43,7 @@ impl Exits {
             starts.push(of_map.collect());
         }
         u32::try_from(places.len() * bins.len()).ok()?;
-        Some(Exits {
+        Some(NumberedExits {
             grid: *grid,
             places,
             starts,
@@ -57,26 +57,28 @@ impl Exits {
     }
 
     /// Returns an empty record of a run of so many rays.
-    pub(crate) fn record(&self, bins: &Bins, rays: usize) -> Record {
+    pub(crate) fn record(&self, bins: &Bins, rays: usize) -> ExitCounts {
         let counters = self.places.len() * bins.len();
         if counters > MOST_COUNTERS {
-            Record::List(Vec::with_capacity(rays + LANES))
+            ExitCounts::List(Vec::with_capacity(rays + LANES))
         } else {
-            Record::Counters(vec![0; counters + LANES])
+            ExitCounts::Counters(vec![0; counters + LANES])
         }
     }
 
-    /// Adds the record of a run to the bins and to the exit directions of `tally`.
-    pub(crate) fn count(&self, bins: &Bins, record: &Record, tally: &mut Tally) {
+    /// Adds the record of a run to the bins and to the exit directions of `accumulator`.
+    pub(crate) fn count(&self, bins: &Bins, record: &ExitCounts, accumulator: &mut Accumulator) {
         match record {
-            Record::Counters(counters) => self.add_counters(bins, counters, tally),
-            Record::List(list) => {
+            ExitCounts::Counters(counters) => self.add_counters(bins, counters, accumulator),
+            ExitCounts::List(list) => {
                 let size = bins.len();
-                tally.exits.reserve(list.len());
+                accumulator.exits.reserve(list.len());
                 for &counter in list {
                     let (number, bin) = (counter as usize / size, counter as usize % size);
-                    tally.histogram[bin] += 1;
-                    tally.exits.push(self.cell(bins, bin) + self.places[number]);
+                    accumulator.histogram[bin] += 1;
+                    accumulator
+                        .exits
+                        .push(self.cell(bins, bin) + self.places[number]);
                 }
             }
         }
@@ -89,16 +91,16 @@ impl Exits {
         self.grid.place([v, u], [0, 0])
     }
 
-    /// Adds counters to the bins and to the exit directions of `tally`.
-    fn add_counters(&self, bins: &Bins, counters: &[u32], tally: &mut Tally) {
+    /// Adds counters to the bins and to the exit directions of `accumulator`.
+    fn add_counters(&self, bins: &Bins, counters: &[u32], accumulator: &mut Accumulator) {
         let size = bins.len();
         for bin in 0..size {
             let cell = self.cell(bins, bin);
             for (number, place) in self.places.iter().enumerate() {
                 let rays = counters[number * size + bin];
                 if rays > 0 {
-                    tally.histogram[bin] += rays;
-                    tally.entries.push(Entry {
+                    accumulator.histogram[bin] += rays;
+                    accumulator.entries.push(Entry {
                         place: cell + place,
                         rays: u64::from(rays),
                     });
@@ -111,7 +113,7 @@ impl Exits {
 /// Rays of a run, by bin of shift and exit direction.
 ///
 /// Counter number e B + b is that of bin b and exit direction e, where B is the number of bins.
-pub(crate) enum Record {
+pub(crate) enum ExitCounts {
     /// Number of rays of each counter, and [`LANES`] slots for the rays that fall in no bin.
     Counters(Vec<u32>),
     /// Number of the counter of each ray.

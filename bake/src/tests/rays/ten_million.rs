@@ -4,10 +4,10 @@
 //! `cargo test --release -p bake --lib ten_million -- --ignored --nocapture`
 
 use crate::optics::{Backing, Rules};
-use crate::rays::{Bins, Index, Kernel, Scene, Tally};
+use crate::rays::{Accumulator, Bins, Index, Kernel, Scene};
 use crate::samples::{Launch, Stream};
 use crate::tests::cells;
-use crate::tests::kernels::uneven;
+use crate::tests::rays::kernels::uneven;
 use meshes::Cell;
 use meshes::design::{Design, Shape};
 use std::sync::Arc;
@@ -97,7 +97,7 @@ fn ten_million_rays_of_each_case_agree() {
             Kernel::new(scene, &launch, &rules, &bins, incidence, azimuth).recording(Some(grid))
         };
         let stream = Stream::new(sampler, 7, incidence, azimuth, 0);
-        let (mut fast, mut plain) = (Tally::new(&bins), Tally::new(&bins));
+        let (mut fast, mut plain) = (Accumulator::new(&bins), Accumulator::new(&bins));
         kernel(&scene).trace(&stream, 0..RAYS, &mut fast);
         kernel(&oracle).trace_one_by_one(&stream, 0..RAYS, &mut plain);
         assert_eq!(fast.take_exits(), plain.take_exits(), "{name}");

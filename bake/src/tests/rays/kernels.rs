@@ -8,7 +8,7 @@ use crate::tests::cells;
 use crate::cell::Whole;
 use crate::optics::{Backing, Incidence, Rules};
 use crate::rays::{
-    Batch, Bins, End, Index, InstructionSet, Kernel, Program, Scene, Sheet, Tally, trace,
+    Accumulator, Batch, Bins, End, Index, InstructionSet, Kernel, Program, Scene, Sheet, trace,
 };
 use crate::samples::{Launch, Stream};
 use glam::DVec3;
@@ -135,10 +135,10 @@ fn instruction_sets_agree_bit_for_bit() {
             let kernel = Kernel::new(&scene, &launch, &MIRROR, &bins, 12.0, 40.0);
             assert_eq!(kernel.programs().len(), 1, "a small planar cell");
             let stream = Stream::new(sampler, 9, 12.0, 40.0, 1);
-            let counts: Vec<Tally> = InstructionSet::available()
+            let counts: Vec<Accumulator> = InstructionSet::available()
                 .into_iter()
                 .map(|set| {
-                    let mut tally = Tally::new(&bins);
+                    let mut accumulator = Accumulator::new(&bins);
                     let batch = Batch {
                         programs: kernel.programs(),
                         launch: &launch,
@@ -147,11 +147,11 @@ fn instruction_sets_agree_bit_for_bit() {
                         samples: 0..100_003,
                         exits: None,
                     };
-                    batch.trace(set, &mut tally);
-                    tally
+                    batch.trace(set, &mut accumulator);
+                    accumulator
                 })
                 .collect();
-            assert!(counts.iter().all(|tally| *tally == counts[0]));
+            assert!(counts.iter().all(|accumulator| *accumulator == counts[0]));
             compared += counts.len();
         }
     }
@@ -227,9 +227,9 @@ fn hierarchy_equals_loop() {
             let stream = Stream::new(Sampler::Random, 4, incidence, 10.0, 0);
             let [a, b] = scenes.each_ref().map(|scene| {
                 let kernel = Kernel::new(scene, &launch, &MIRROR, &bins, incidence, 10.0);
-                let mut tally = Tally::new(&bins);
-                kernel.trace_one_by_one(&stream, 0..5_000, &mut tally);
-                tally
+                let mut accumulator = Accumulator::new(&bins);
+                kernel.trace_one_by_one(&stream, 0..5_000, &mut accumulator);
+                accumulator
             });
             assert!(a == b, "{} at {incidence}", cell.design);
             compared += 1;
@@ -321,7 +321,7 @@ fn bodies_equal_the_whole_mesh_ray_for_ray() {
                 let angles = [incidence, azimuth].map(f64::to_radians);
                 let direction = Incidence::new(angles[0], angles[1], rules.refractive_index);
                 for (whole, rays) in wholes.iter().zip([rays, 500]) {
-                    let (mut parts, mut all) = (Tally::new(&bins), Tally::new(&bins));
+                    let (mut parts, mut all) = (Accumulator::new(&bins), Accumulator::new(&bins));
                     kernel.trace(&stream, first..first + rays, &mut parts);
                     for index in first..first + rays {
                         let (kind, point) = sheet.launch.entry(&stream, index);
@@ -431,7 +431,7 @@ fn unlike_bodies_equal_the_whole_mesh_ray_for_ray() {
             for sampler in [Sampler::Random, Sampler::Sobol] {
                 let stream = Stream::new(sampler, 5, incidence, azimuth, 0);
                 let direction = Incidence::new(incidence.to_radians(), azimuth.to_radians(), 1.0);
-                let mut all = Tally::new(&bins);
+                let mut all = Accumulator::new(&bins);
                 for index in first..first + rays {
                     let (kind, point) = sheet.launch.entry(&stream, index);
                     let point = point + kinds[kind].places[0];
@@ -440,7 +440,7 @@ fn unlike_bodies_equal_the_whole_mesh_ray_for_ray() {
                 for set in InstructionSet::available() {
                     let kernel = Kernel::over(&sheet, &MIRROR, &bins, incidence, azimuth).on(set);
                     assert_eq!(kernel.programs().len(), 2 * columns * rows);
-                    let mut parts = Tally::new(&bins);
+                    let mut parts = Accumulator::new(&bins);
                     kernel.trace(&stream, first..first + rays, &mut parts);
                     assert_eq!(parts.fates, all.fates, "at ({incidence}, {azimuth})");
                     let size = bins.len();
@@ -488,7 +488,7 @@ fn exit_directions_of_unlike_bodies_equal_those_of_single_rays() {
                     let kernel = Kernel::over(&sheet, rules, &bins, incidence, azimuth).on(set);
                     let kernel = kernel.recording(Some(grid));
                     assert_eq!(kernel.programs().len(), 2 * columns * rows);
-                    let (mut fast, mut plain) = (Tally::new(&bins), Tally::new(&bins));
+                    let (mut fast, mut plain) = (Accumulator::new(&bins), Accumulator::new(&bins));
                     kernel.trace(&stream, 3..20_003, &mut fast);
                     kernel.trace_one_by_one(&stream, 3..20_003, &mut plain);
                     let exits = fast.take_exits();
@@ -540,7 +540,7 @@ fn swarms_equal_single_rays_bit_for_bit() {
         let launch = Launch::new(&cell.entrance);
         let [scene, oracle] =
             [Index::Hierarchy, Index::Loop].map(|index| Arc::new(Scene::new(&cell, index)));
-        assert!(scene.for_bundles().is_some());
+        assert!(scene.for_groups().is_some());
         for (incidence, azimuth) in [
             (0.0, 0.0),
             (20.0, 0.0),
@@ -553,32 +553,35 @@ fn swarms_equal_single_rays_bit_for_bit() {
                     let kernel = Kernel::new(&scene, &launch, &rules, &bins, incidence, azimuth);
                     assert!(kernel.programs().is_empty());
                     let stream = Stream::new(sampler, 8, incidence, azimuth, 0);
-                    let mut on_sets: Vec<Tally> = Vec::new();
+                    let mut on_sets: Vec<Accumulator> = Vec::new();
                     for set in InstructionSet::available() {
                         let kernel =
                             Kernel::new(&scene, &launch, &rules, &bins, incidence, azimuth).on(set);
-                        let mut tally = Tally::new(&bins);
-                        kernel.trace(&stream, 1_000..6_001, &mut tally);
-                        on_sets.push(tally);
+                        let mut accumulator = Accumulator::new(&bins);
+                        kernel.trace(&stream, 1_000..6_001, &mut accumulator);
+                        on_sets.push(accumulator);
                     }
-                    assert!(on_sets.iter().all(|tally| *tally == on_sets[0]));
-                    let tallies = [0, 1, 2].map(|way| {
-                        let mut tally = Tally::new(&bins);
+                    assert!(on_sets.iter().all(|accumulator| *accumulator == on_sets[0]));
+                    let accumulators = [0, 1, 2].map(|way| {
+                        let mut accumulator = Accumulator::new(&bins);
                         let rays = 1_000..6_001;
                         match way {
-                            0 => kernel.trace(&stream, rays, &mut tally),
-                            1 => kernel.trace_one_by_one(&stream, rays, &mut tally),
+                            0 => kernel.trace(&stream, rays, &mut accumulator),
+                            1 => kernel.trace_one_by_one(&stream, rays, &mut accumulator),
                             _ => Kernel::new(&oracle, &launch, &rules, &bins, incidence, azimuth)
-                                .trace_one_by_one(&stream, rays, &mut tally),
+                                .trace_one_by_one(&stream, rays, &mut accumulator),
                         }
-                        tally
+                        accumulator
                     });
                     assert!(
-                        tallies[0] == tallies[1],
+                        accumulators[0] == accumulators[1],
                         "single at ({incidence}, {azimuth})"
                     );
-                    assert!(tallies[0] == tallies[2], "loop at ({incidence}, {azimuth})");
-                    assert_eq!(tallies[0].fates.iter().sum::<u64>(), 5_001);
+                    assert!(
+                        accumulators[0] == accumulators[2],
+                        "loop at ({incidence}, {azimuth})"
+                    );
+                    assert_eq!(accumulators[0].fates.iter().sum::<u64>(), 5_001);
                     compared += 1;
                 }
             }

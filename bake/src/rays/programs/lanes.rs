@@ -13,17 +13,17 @@
     reason = "the same lane of several arrays; iterators hide that"
 )]
 
-use crate::rays::bins::Bins;
-use crate::rays::drawn::order;
-use crate::rays::drawn::{chances, digits, points, sobol};
-use crate::rays::excerpt::Excerpt;
-use crate::rays::exits::{Exits, Record};
+use crate::rays::accumulator::Accumulator;
+use crate::rays::accumulator::Bins;
+use crate::rays::lane::order;
 use crate::rays::lane::{LANES, Mask, Reals, choose};
-use crate::rays::program::{DEPTH, End, Loss, Program, Step};
-use crate::rays::region::Affine;
-use crate::rays::scratch::{Scratch, scatter};
+use crate::rays::lane::{chances, digits, points, sobol};
+use crate::rays::programs::exits::{ExitCounts, NumberedExits};
+use crate::rays::programs::program::{DEPTH, End, Loss, Program, Step};
+use crate::rays::programs::region::Affine;
+use crate::rays::programs::scratch::Excerpt;
+use crate::rays::programs::scratch::{Scratch, scatter};
 use crate::rays::simd::{InstructionSet, Task};
-use crate::rays::tally::Tally;
 use crate::samples::{Launch, Stream};
 use std::ops::Range;
 use tables::Fate;
@@ -34,10 +34,10 @@ const CELL_BITS: u32 = 4;
 
 /// Smallest number of pieces of the entrance for which samples are sorted by piece.
 ///
-/// Without sorting, each bundle would look at all pieces.
+/// Without sorting, each vector of rays would look at all pieces.
 const SORTED_PIECES: usize = 12;
 
-/// Number of samples of the smallest block that is traced cell by cell: two bundles per cell.
+/// Number of samples of the smallest block that is traced cell by cell: two vectors per cell.
 const BLOCK: u64 = (2 * LANES as u64) << (2 * CELL_BITS);
 
 /// Samples to trace, and the programs that trace them.
@@ -46,20 +46,20 @@ pub(crate) struct Batch<'a> {
     pub programs: &'a [Program],
     /// Map from samples to entry points.
     pub launch: &'a Launch,
-    /// Bins of the tally.
+    /// Bins of the accumulator.
     pub bins: &'a Bins,
     /// Stream that the samples come from.
     pub stream: &'a Stream,
     /// Indices of the samples.
     pub samples: Range<u64>,
     /// Exit directions to record; `None` if they are not recorded.
-    pub exits: Option<&'a Exits>,
+    pub exits: Option<&'a NumberedExits>,
 }
 
 /// Tracing of a batch, compiled for each kind of batch: the plain one has its registers for itself.
 struct Tracing<'a, const RECORD: bool, const LOSSY: bool> {
     batch: &'a Batch<'a>,
-    tally: &'a mut Tally,
+    accumulator: &'a mut Accumulator,
 }
 
 impl<const RECORD: bool, const LOSSY: bool> Task for Tracing<'_, RECORD, LOSSY> {
@@ -67,30 +67,30 @@ impl<const RECORD: bool, const LOSSY: bool> Task for Tracing<'_, RECORD, LOSSY> 
 
     #[inline(always)]
     fn run(self) {
-        run::<RECORD, LOSSY>(self.batch, self.tally);
+        run::<RECORD, LOSSY>(self.batch, self.accumulator);
     }
 }
 
 impl Batch<'_> {
-    /// Traces all samples with these instructions and counts them in `tally`.
-    pub(crate) fn trace(&self, instructions: InstructionSet, tally: &mut Tally) {
+    /// Traces all samples with these instructions and counts them in `accumulator`.
+    pub(crate) fn trace(&self, instructions: InstructionSet, accumulator: &mut Accumulator) {
         let batch = self;
         // All programs of a scene have the same rules.
         let first = self.programs.first();
         let lossy = first.is_some_and(|program| program.entry.is_some());
         match (self.exits.is_some(), lossy) {
-            (false, false) => instructions.run(Tracing::<false, false> { batch, tally }),
-            (true, false) => instructions.run(Tracing::<true, false> { batch, tally }),
-            (false, true) => instructions.run(Tracing::<false, true> { batch, tally }),
-            (true, true) => instructions.run(Tracing::<true, true> { batch, tally }),
+            (false, false) => instructions.run(Tracing::<false, false> { batch, accumulator }),
+            (true, false) => instructions.run(Tracing::<true, false> { batch, accumulator }),
+            (false, true) => instructions.run(Tracing::<false, true> { batch, accumulator }),
+            (true, true) => instructions.run(Tracing::<true, true> { batch, accumulator }),
         }
     }
 }
 
-/// Traces all samples of a batch and counts them in `tally`. `RECORD` is true if the batch has exit
-/// directions to record, `LOSSY` if its programs have losses.
+/// Traces all samples of a batch and counts them in `accumulator`. `RECORD` is true if the batch
+/// has exit directions to record, `LOSSY` if its programs have losses.
 #[inline(always)]
-fn run<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) {
+fn run<const RECORD: bool, const LOSSY: bool>(batch: &Batch, accumulator: &mut Accumulator) {
     let Batch {
         programs,
         launch,
@@ -103,9 +103,9 @@ fn run<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) 
     let mut record = exits.map(|exits| exits.record(bins, rays));
     let programs = Programs { programs, exits };
     let (histogram, list) = match &mut record {
-        None => (&mut tally.histogram[..], None),
-        Some(Record::Counters(counters)) => (&mut counters[..], None),
-        Some(Record::List(list)) => (&mut [][..], Some(list)),
+        None => (&mut accumulator.histogram[..], None),
+        Some(ExitCounts::Counters(counters)) => (&mut counters[..], None),
+        Some(ExitCounts::List(list)) => (&mut [][..], Some(list)),
     };
     let mut work = Scratch {
         bins,
@@ -145,9 +145,9 @@ fn run<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) 
     }
     let ended = work.ended;
     if let (Some(exits), Some(record)) = (exits, &record) {
-        exits.count(bins, record, tally);
+        exits.count(bins, record, accumulator);
     }
-    for (sum, lanes) in tally.fates.iter_mut().zip(&ended) {
+    for (sum, lanes) in accumulator.fates.iter_mut().zip(&ended) {
         *sum += lanes.iter().sum::<u64>();
     }
 }
@@ -182,7 +182,7 @@ fn in_order<const RECORD: bool, const LOSSY: bool>(
                 start[lane] &= chosen[lane];
             }
             let course = programs.whole(piece.scene);
-            bundle::<RECORD, LOSSY>(course, [&x, &y, &chance], start, work);
+            trace_lanes::<RECORD, LOSSY>(course, [&x, &y, &chance], start, work);
         }
         first += LANES as u64;
     }
@@ -243,7 +243,7 @@ fn by_pieces<const RECORD: bool, const LOSSY: bool, const WORDS: usize>(
             } else {
                 [0.0; LANES]
             };
-            bundle::<RECORD, LOSSY>(course, [&x, &y, &chance], start, work);
+            trace_lanes::<RECORD, LOSSY>(course, [&x, &y, &chance], start, work);
         }
     }
 }
@@ -331,13 +331,13 @@ fn by_cells<const RECORD: bool, const LOSSY: bool>(
                 }
                 let (a, b) = sobol(stream, &indices);
                 let (x, y, start) = points(piece, &a, &b);
-                bundle::<RECORD, LOSSY>(course, [&x, &y, &chance], start, work);
+                trace_lanes::<RECORD, LOSSY>(course, [&x, &y, &chance], start, work);
             }
         }
     }
 }
 
-/// Steps and tests that a bundle of rays goes through.
+/// Steps and tests that a vector of rays goes through.
 #[derive(Clone, Copy)]
 struct Passage<'a> {
     steps: &'a [Step],
@@ -355,7 +355,7 @@ struct Passage<'a> {
 #[derive(Clone, Copy)]
 struct Programs<'a> {
     programs: &'a [Program],
-    exits: Option<&'a Exits>,
+    exits: Option<&'a NumberedExits>,
 }
 
 impl<'a> Programs<'a> {
@@ -387,10 +387,10 @@ impl<'a> Programs<'a> {
     }
 }
 
-/// Traces one bundle of rays that enter at (x, y) and have these chances; only the rays in `start`
+/// Traces one vector of rays that enter at (x, y) and have these chances; only the rays in `start`
 /// count.
 #[inline(always)]
-fn bundle<const RECORD: bool, const LOSSY: bool>(
+fn trace_lanes<const RECORD: bool, const LOSSY: bool>(
     course: Passage,
     [x, y, chance]: [&Reals; 3],
     start: Mask,

@@ -20,10 +20,10 @@
 //! them `Program::new` returns `None`, and they are traced facet by facet.
 
 use crate::optics::{
-    BOUNCE_LIMIT, Incidence, Light, Rules, Triangle, fate_of_leaving, reflect, reflection,
+    BOUNCE_LIMIT, Incidence, PolarisedLight, Rules, Triangle, fate_of_leaving, reflect, reflection,
 };
-use crate::rays::bins::Bins;
-use crate::rays::region::{Affine, ROUNDING, Region, extent, needed, split};
+use crate::rays::accumulator::Bins;
+use crate::rays::programs::region::{Affine, ROUNDING, Region, extent, needed, split};
 use crate::rays::scene::Scene;
 use crate::samples::centres_below;
 use glam::{DMat3, DVec2, DVec3};
@@ -32,7 +32,7 @@ use tables::Fate;
 /// Largest number of steps of a program; beyond it, tracing facet by facet is about as fast.
 const STEPS: usize = 512;
 
-/// Largest depth of the tree, which is the number of masks that a bundle of rays keeps.
+/// Largest depth of the tree, which is the number of masks that a vector of rays keeps.
 pub(crate) const DEPTH: usize = 24;
 
 // No program is as deep as the limit of reflections, so no step tests for it.
@@ -122,7 +122,7 @@ impl Program {
         let index = rules.refractive_index;
         let light = rules
             .losses
-            .map(|_| Light::entered(direction.travel, index));
+            .map(|_| PolarisedLight::entered(direction.travel, index));
         let root = UnfoldedRay {
             light,
             direction: direction.travel,
@@ -161,7 +161,7 @@ impl Program {
 /// A point of the line is `map` (p.x, p.y, height) + `offset` + distance x `direction`.
 struct UnfoldedRay {
     /// Polarised light of the path; `None` without losses.
-    light: Option<Light>,
+    light: Option<PolarisedLight>,
     direction: DVec3,
     /// Linear map of the reflections so far.
     map: DMat3,
@@ -232,20 +232,20 @@ struct Taken {
     region: Region,
 }
 
-/// Way of all rays of a node.
-struct Way {
+/// Volume that all rays of a node pass through.
+struct SweptVolume {
     /// Lower corner of the least box of the plane that holds the way, edge lengths.
     low: DVec2,
     /// Upper corner of that box.
     high: DVec2,
     /// True if all rays are out of the sheet at the end of the way.
-    leaves: bool,
+    exits: bool,
     /// Two unit vectors across the way, each with the least and the greatest position of a ray
     /// along it.
     across: [(DVec3, f64, f64); 2],
 }
 
-impl Way {
+impl SweptVolume {
     /// Returns whether all rays pass on one side of `facet`, farther from it than rounding.
     fn misses(&self, facet: &Triangle) -> bool {
         self.across.iter().any(|&(axis, low, high)| {
@@ -303,25 +303,25 @@ impl Builder<'_> {
     fn hits(&self, line: &UnfoldedRay, region: Region) -> Option<(Vec<Taken>, Region)> {
         let mut reach = REACH;
         loop {
-            let way = self.way(line, &region, reach);
-            let (hits, left, farthest) = self.hits_along(line, &region, &way)?;
+            let swept = self.swept(line, &region, reach);
+            let (hits, left, farthest) = self.hits_along(line, &region, &swept)?;
             // A facet beyond this way hides none of the hits on it.
-            if way.leaves || left.is_empty() && farthest <= reach {
+            if swept.exits || left.is_empty() && farthest <= reach {
                 return Some((hits, left));
             }
             reach *= 2.0;
         }
     }
 
-    /// Returns the facets that rays of `region` meet next if there are none beyond `way`, the parts
-    /// of the region whose rays meet none, and the length of the longest way to a hit.
+    /// Returns the facets that rays of `region` meet next if there are none beyond `swept`, the
+    /// parts of the region whose rays meet none, and the length of the longest way to a hit.
     fn hits_along(
         &self,
         line: &UnfoldedRay,
         region: &Region,
-        way: &Way,
+        swept: &SweptVolume,
     ) -> Option<(Vec<Taken>, Region, f64)> {
-        let mut ahead = self.ahead(line, region, way)?;
+        let mut ahead = self.ahead(line, region, swept)?;
         let (mut hits, mut left, mut farthest) = (Vec::new(), region.clone(), 0.0_f64);
         while !ahead.is_empty() && !left.is_empty() {
             let facet = ahead.swap_remove(foremost(&ahead)?);
@@ -352,15 +352,20 @@ impl Builder<'_> {
         Some((hits, left, farthest))
     }
 
-    /// Returns the facets that rays of `region` on `line` can meet on `way`.
+    /// Returns the facets that rays of `region` on `line` can meet on `swept`.
     ///
     /// Returns `None` if the rays see an edge of a facet end-on, or the facets are too many.
-    fn ahead(&self, line: &UnfoldedRay, region: &Region, way: &Way) -> Option<Vec<FacetAhead>> {
+    fn ahead(
+        &self,
+        line: &UnfoldedRay,
+        region: &Region,
+        swept: &SweptVolume,
+    ) -> Option<Vec<FacetAhead>> {
         let height = self.scene.height();
         let mut ahead = Vec::new();
-        for facet in self.scene.facets_above(way.low, way.high)?.iter() {
+        for facet in self.scene.facets_above(swept.low, swept.high)?.iter() {
             let cosine = line.direction.dot(facet.normal);
-            if cosine.abs() < ROUNDING || way.misses(facet) {
+            if cosine.abs() < ROUNDING || swept.misses(facet) {
                 continue;
             }
             let [a, b, c] = facet.corners;
@@ -401,7 +406,7 @@ impl Builder<'_> {
 
     /// Returns the way of all rays of `region` on `line`, from where they are now up to the length
     /// `reach`, or until they are out of the sheet.
-    fn way(&self, line: &UnfoldedRay, region: &Region, reach: f64) -> Way {
+    fn swept(&self, line: &UnfoldedRay, region: &Region, reach: f64) -> SweptVolume {
         let height = self.scene.height();
         let d = line.direction;
         let end = if d.z > 0.0 {
@@ -410,10 +415,10 @@ impl Builder<'_> {
             self.scene.bottom()
         };
         let [x, y, z] = DVec3::AXES.map(|axis| line.along(axis, height));
-        let mut way = Way {
+        let mut swept = SweptVolume {
             low: DVec2::INFINITY,
             high: DVec2::NEG_INFINITY,
-            leaves: true,
+            exits: true,
             across: {
                 let (one, other) = d.any_orthonormal_pair();
                 [one, other].map(|axis| (axis, f64::INFINITY, f64::NEG_INFINITY))
@@ -421,20 +426,20 @@ impl Builder<'_> {
         };
         for &corner in region.iter().flatten() {
             let at_zero = DVec3::new(x.at(corner), y.at(corner), z.at(corner));
-            for (axis, low, high) in &mut way.across {
+            for (axis, low, high) in &mut swept.across {
                 let at = at_zero.dot(*axis);
                 (*low, *high) = (low.min(at), high.max(at));
             }
             let start = line.start.at(corner);
             let out = (end - at_zero.z) / d.z;
-            way.leaves &= out <= start + reach;
+            swept.exits &= out <= start + reach;
             for distance in [start, out.min(start + reach)] {
                 let point = (at_zero + d * distance).truncate();
-                way.low = way.low.min(point);
-                way.high = way.high.max(point);
+                swept.low = swept.low.min(point);
+                swept.high = swept.high.max(point);
             }
         }
-        way
+        swept
     }
 
     /// Adds the step onto a facet, and the steps that follow from it.

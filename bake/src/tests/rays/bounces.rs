@@ -1,7 +1,7 @@
 //! The limit of reflections, which all tracers of rays and the exact method share.
 
 use crate::optics::{Incidence, Rules};
-use crate::rays::{Bins, Index, Kernel, Scene, Tally, trace};
+use crate::rays::{Accumulator, Bins, Index, Kernel, Scene, trace};
 use crate::samples::{Launch, Stream};
 use crate::tests::bakes;
 use crate::tests::exact::cells::cell;
@@ -49,12 +49,12 @@ fn fates(cell: &Cell, rules: &Rules, rays: u64) -> Vec<[u64; Fate::ALL.len()]> {
         let kernel = Kernel::new(&scene, &launch, rules, &bins, 0.0, 0.0);
         assert!(kernel.programs().is_empty(), "programs are not that deep");
         for together in [false, true] {
-            let mut tally = Tally::new(&bins);
+            let mut accumulator = Accumulator::new(&bins);
             match together {
-                true => kernel.trace(&stream, 0..rays, &mut tally),
-                false => kernel.trace_one_by_one(&stream, 0..rays, &mut tally),
+                true => kernel.trace(&stream, 0..rays, &mut accumulator),
+                false => kernel.trace_one_by_one(&stream, 0..rays, &mut accumulator),
             }
-            found.push(tally.fates);
+            found.push(accumulator.fates);
         }
     }
     found

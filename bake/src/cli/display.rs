@@ -1,31 +1,21 @@
 //! Progress bar of a bake or of a study, shown on a terminal only.
 
-use crate::plan::Effort;
 use crate::run::Bake;
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::io::IsTerminal;
 
-/// Returns the number of rays of a bake; `None` if it runs to a tolerance.
-pub(super) fn rays(bake: &Bake) -> Option<u64> {
-    let (incidences, azimuths) = bake.axes().shape();
-    match bake.plan.effort {
-        Effort::Rays(rays) => Some(rays.saturating_mul((incidences * azimuths) as u64)),
-        Effort::Tolerance(_) => None,
-    }
-}
-
 /// Progress bar on stderr, hidden where stderr is no terminal.
-pub(super) struct Progress {
+pub(super) struct ProgressDisplay {
     bar: ProgressBar,
 }
 
-impl Progress {
+impl ProgressDisplay {
     /// Makes the bar of a bake; it has no end if the bake runs to a tolerance.
     ///
     /// The bar counts without being displayed if it is not `shown`.
     pub(super) fn new(bake: &Bake, shown: bool) -> Self {
         let bar = ProgressBar::no_length();
-        let template = match rays(bake) {
+        let template = match bake.all_rays() {
             Some(rays) => {
                 bar.set_length(rays);
                 "{bar:40} {human_pos}/{human_len} rays, {rate}, {eta} left"
@@ -38,7 +28,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.with_key("rate", rate));
         }
-        Progress { bar }
+        ProgressDisplay { bar }
     }
 
     /// Makes the bar of a study, which counts bakes and names the one that runs.
@@ -50,7 +40,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}") {
             bar.set_style(style);
         }
-        Progress { bar }
+        ProgressDisplay { bar }
     }
 
     /// Displays that the bake `name` begins, after `done` of `all` bakes.

@@ -5,17 +5,16 @@
 //! over all facets finds, bit for bit (tested).
 
 use crate::optics::{Ray, Triangle};
-use crate::rays::block::{Block, Sight};
-use crate::rays::cluster::Cluster;
-use crate::rays::frames::{MOST_FRAMES, frames};
-use crate::rays::nearest::Nearest;
+use crate::rays::hierarchy::block::{Block, Sight};
+use crate::rays::hierarchy::coherent::CoherentRays;
+use crate::rays::hierarchy::frames::{MOST_FRAMES, frames};
+use crate::rays::hierarchy::tree::{BLOCK, Boxes, Space, Wide, WideNode, build};
 use crate::rays::simd::{InstructionSet, Task, fetch};
-use crate::rays::tree::{BLOCK, Boxes, Node, Space, Wide, build};
 use glam::{DMat3, DVec3, Vec4};
 
 /// Bounding volume hierarchy over a list of facets.
 pub(crate) struct Hierarchy {
-    nodes: Vec<Node>,
+    nodes: Vec<WideNode>,
     blocks: Vec<Block>,
     /// Frames of the nodes, as maps from the cell frame.
     frames: Vec<DMat3>,
@@ -153,34 +152,34 @@ impl Hierarchy {
         nearest
     }
 
-    /// Finds for all rays of `cluster` the nearest facet, as [`Hierarchy::nearest`] does without a
+    /// Finds for all rays of `coherent` the nearest facet, as [`Hierarchy::nearest`] does without a
     /// limit.
-    pub(crate) fn nearest_of_cluster(&self, facets: &[Triangle], cluster: &mut Cluster) {
+    pub(crate) fn nearest_of_each(&self, facets: &[Triangle], coherent: &mut CoherentRays) {
         self.instructions.run(Common {
             hierarchy: self,
             facets,
-            cluster,
+            coherent,
         });
     }
 
-    /// Finds the nearest facets as [`Hierarchy::nearest_of_cluster`] does.
+    /// Finds the nearest facets as [`Hierarchy::nearest_of_each`] does.
     #[inline(always)]
-    fn descend_together(&self, facets: &[Triangle], cluster: &mut Cluster) {
-        let mut open = std::mem::take(&mut cluster.waiting);
+    fn descend_together(&self, facets: &[Triangle], coherent: &mut CoherentRays) {
+        let mut open = std::mem::take(&mut coherent.waiting);
         let ball = (self.centre, self.radius);
-        cluster.look(ball, self.padding, &self.frames);
-        let mut limit = cluster.limit();
+        coherent.look(ball, self.padding, &self.frames);
+        let mut limit = coherent.limit();
         open.clear();
-        let mut reached = cluster.all();
+        let mut reached = coherent.all();
         let mut at = 0;
         loop {
             if at & BLOCK != 0 {
                 let block = &self.blocks[(at & !BLOCK) as usize];
-                cluster.offer(block, facets, reached, self.padding);
-                limit = cluster.limit();
+                coherent.offer(block, facets, reached, self.padding);
+                limit = coherent.limit();
             } else {
                 let node = &self.nodes[at as usize];
-                let (from, mut met) = cluster.reach(node, limit);
+                let (from, mut met) = coherent.reach(node, limit);
                 let bottom = open.len();
                 while met != 0 {
                     let child = met.trailing_zeros() as usize;
@@ -204,12 +203,12 @@ impl Hierarchy {
             reached = 0;
             while reached == 0 {
                 let Some((from, place)) = open.pop() else {
-                    cluster.waiting = open;
+                    coherent.waiting = open;
                     return;
                 };
                 if from <= limit {
                     let (node, child) = (&self.nodes[(place >> 3) as usize], place as usize & 7);
-                    reached = cluster.entering(node, child);
+                    reached = coherent.entering(node, child);
                     at = node.children[child];
                 }
             }
@@ -217,11 +216,11 @@ impl Hierarchy {
     }
 }
 
-/// Search of a cluster: the arguments of [`Hierarchy::descend_together`].
+/// Search of coherent rays: the arguments of [`Hierarchy::descend_together`].
 struct Common<'a> {
     hierarchy: &'a Hierarchy,
     facets: &'a [Triangle],
-    cluster: &'a mut Cluster,
+    coherent: &'a mut CoherentRays,
 }
 
 impl Task for Common<'_> {
@@ -229,7 +228,7 @@ impl Task for Common<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.hierarchy.descend_together(self.facets, self.cluster);
+        self.hierarchy.descend_together(self.facets, self.coherent);
     }
 }
 
@@ -318,9 +317,64 @@ impl Slabs {
     }
 }
 
+/// Nearest facet found so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Nearest {
+    /// Index of the facet; `None` if no facet is found yet.
+    pub facet: Option<usize>,
+    /// Distance of the facet, or the limit of the search, edge lengths.
+    pub distance: f64,
+    /// True if the ray meets the facet from the front.
+    pub front: bool,
+}
+
+impl Nearest {
+    /// Starts a search for facets up to `limit` edge lengths away.
+    pub(crate) fn within(limit: f64) -> Self {
+        Nearest {
+            facet: None,
+            distance: limit,
+            front: false,
+        }
+    }
+
+    /// Takes `facet` if `ray` meets it nearer than the nearest facet so far.
+    ///
+    /// Of two facets at one distance the lower index wins, so the result does not depend on the
+    /// order of the offers.
+    #[inline(always)]
+    pub(crate) fn offer(&mut self, index: usize, facet: &Triangle, ray: &Ray) {
+        if let Some(contact) = facet.meet(ray) {
+            let tie =
+                contact.distance == self.distance && self.facet.is_none_or(|known| index < known);
+            if contact.distance < self.distance || tie {
+                *self = Nearest {
+                    facet: Some(index),
+                    distance: contact.distance,
+                    front: contact.front,
+                };
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Of two facets at one distance the lower index is met, in whichever order they are offered.
+    #[test]
+    fn of_two_facets_in_one_place_the_lower_number_is_met() {
+        let facet = Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]).expect("it has an area");
+        let ray = Ray::new(DVec3::new(0.2, 0.2, 1.0), DVec3::NEG_Z, 1.0);
+        for order in [[3, 7], [7, 3]] {
+            let mut nearest = Nearest::within(f64::INFINITY);
+            for index in order {
+                nearest.offer(index, &facet, &ray);
+            }
+            assert_eq!((nearest.facet, nearest.distance), (Some(3), 1.0));
+        }
+    }
 
     /// Rays from ten million radii away meet what a loop over all facets says. Counted from there,
     /// a position in f32 would be off by half a radius. In f64 it is off by 1e-9 radii, for both

@@ -1,6 +1,6 @@
-//! Integer counts of fates and shifts, which give the same bytes in any order of summation.
+//! Integer counts of fates and of shifts by bin, which give the same bytes in any order of
+//! summation.
 
-use crate::rays::bins::Bins;
 use crate::rays::lane::LANES;
 use crate::rays::path::Outcome;
 use glam::DVec2;
@@ -10,7 +10,7 @@ use tables::{Fate, Table};
 
 /// Counts of one run of rays of one direction.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Tally {
+pub(crate) struct Accumulator {
     /// Number of rays by bin, v slow, u fast.
     ///
     /// After the bins come [`LANES`] slots for the rays of the fast kernel that fall in no bin.
@@ -23,12 +23,12 @@ pub(crate) struct Tally {
     pub entries: Vec<Entry>,
 }
 
-impl Tally {
+impl Accumulator {
     /// Makes empty counts.
     ///
-    /// A tally takes at most 2^32 - 1 rays; runs are shorter than that.
+    /// An accumulator takes at most 2^32 - 1 rays; runs are shorter than that.
     pub(crate) fn new(bins: &Bins) -> Self {
-        Tally {
+        Accumulator {
             histogram: vec![0; bins.len() + LANES],
             fates: [0; Fate::ALL.len()],
             exits: Vec::new(),
@@ -36,7 +36,7 @@ impl Tally {
         }
     }
 
-    /// Takes the rays by deviation out of the tally: each place once, ascending.
+    /// Takes the rays by deviation out of the accumulator: each place once, ascending.
     pub(crate) fn take_exits(&mut self) -> Vec<Entry> {
         let alone = counted(&mut self.exits);
         self.exits.clear();
@@ -141,16 +141,16 @@ impl Sums {
     }
 
     /// Adds the counts of one run to a randomisation.
-    pub(crate) fn add(&mut self, randomisation: usize, tally: &Tally) {
-        let size = tally.histogram.len() - LANES;
+    pub(crate) fn add(&mut self, randomisation: usize, accumulator: &Accumulator) {
+        let size = accumulator.histogram.len() - LANES;
         let counts = &mut self.counts[randomisation * size..][..size];
-        for (sum, &count) in counts.iter_mut().zip(&tally.histogram) {
+        for (sum, &count) in counts.iter_mut().zip(&accumulator.histogram) {
             *sum += u64::from(count);
         }
-        for (sum, &count) in self.fates[randomisation].iter_mut().zip(&tally.fates) {
+        for (sum, &count) in self.fates[randomisation].iter_mut().zip(&accumulator.fates) {
             *sum += count;
         }
-        self.launched[randomisation] += tally.fates.iter().sum::<u64>();
+        self.launched[randomisation] += accumulator.fates.iter().sum::<u64>();
     }
 
     /// Adds rays by shift and deviation.
@@ -219,6 +219,46 @@ fn mean_deviation(samples: usize) -> f64 {
     (2.0 / (n - 1.0)).sqrt() * libm::exp(libm::lgamma(n / 2.0) - libm::lgamma((n - 1.0) / 2.0))
 }
 
+/// Bins of a histogram over u, v in [-range, range].
+///
+/// A bin holds its lower edge and not its upper edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bins {
+    /// Number of bins along each axis.
+    pub count: usize,
+    /// Number of bins per edge length.
+    pub density: f64,
+}
+
+impl Bins {
+    /// Makes `count` bins along each axis over [-range, range] edge lengths.
+    pub(crate) fn new(count: usize, range: f64) -> Self {
+        Bins {
+            count,
+            density: count as f64 / (2.0 * range),
+        }
+    }
+
+    /// Returns the number of bins of the whole histogram.
+    pub(crate) fn len(&self) -> usize {
+        self.count * self.count
+    }
+
+    /// Returns the place of a shift (u, v), counted in bins from the lower end of the histogram.
+    pub(crate) fn position(&self, shift: DVec2) -> DVec2 {
+        shift * self.density + DVec2::splat(self.count as f64 / 2.0)
+    }
+
+    /// Returns the bin of a shift, v slow, u fast, or `None` if the shift lies outside the
+    /// histogram.
+    pub(crate) fn find(&self, shift: DVec2) -> Option<usize> {
+        let at = self.position(shift);
+        let end = self.count as f64;
+        let within = at.x >= 0.0 && at.y >= 0.0 && at.x < end && at.y < end;
+        within.then(|| at.y as usize * self.count + at.x as usize)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -282,7 +322,7 @@ mod tests {
     #[test]
     fn every_ray_is_counted_once() {
         let bins = Bins::new(8, 1.0);
-        let mut tally = Tally::new(&bins);
+        let mut accumulator = Accumulator::new(&bins);
         let fates = [
             Fate::Missed,
             Fate::Retroreflected,
@@ -290,7 +330,7 @@ mod tests {
             Fate::Deviated,
         ];
         for (i, fate) in fates.into_iter().enumerate() {
-            tally.count(
+            accumulator.count(
                 &bins,
                 &Outcome {
                     fate,
@@ -301,9 +341,21 @@ mod tests {
             );
         }
         let mut sums = Sums::new(&bins, 1);
-        sums.add(0, &tally);
+        sums.add(0, &accumulator);
         assert_eq!(sums.rays(), 4);
         assert_eq!(sums.of(Fate::Retroreflected), 1);
         assert_eq!(sums.of(Fate::OutOfRange), 1, "a shift of 1.2 lies outside");
+    }
+
+    #[test]
+    fn bins_hold_their_lower_edge() {
+        let bins = Bins::new(4, 2.0);
+        assert_eq!(bins.find(DVec2::new(-2.0, -2.0)), Some(0));
+        assert_eq!(bins.find(DVec2::new(-1.0, -2.0)), Some(1));
+        assert_eq!(bins.find(DVec2::new(-2.0, -1.0)), Some(4));
+        assert_eq!(bins.find(DVec2::new(1.999_999, 1.999_999)), Some(15));
+        assert_eq!(bins.find(DVec2::new(2.0, 0.0)), None);
+        assert_eq!(bins.find(DVec2::new(0.0, -2.000_001)), None);
+        assert_eq!(bins.find(DVec2::new(f64::NAN, 0.0)), None);
     }
 }

@@ -10,17 +10,17 @@
 )]
 
 use crate::optics::{Ray, Triangle};
-use crate::rays::block::{Block, Sight};
-use crate::rays::bvh::inverse;
-use crate::rays::frames::MOST_FRAMES;
+use crate::rays::hierarchy::block::{Block, Sight};
+use crate::rays::hierarchy::bvh::Nearest;
+use crate::rays::hierarchy::bvh::inverse;
+use crate::rays::hierarchy::frames::MOST_FRAMES;
+use crate::rays::hierarchy::tree::{Boxes, WideNode};
 use crate::rays::lane::{LANES, Singles, fold, greater, lesser};
-use crate::rays::nearest::Nearest;
 use crate::rays::simd::fetch;
-use crate::rays::tree::{Boxes, Node};
 use glam::{DMat3, DVec3};
 
 /// Up to [`LANES`] rays, and the nearest facet of each.
-pub(crate) struct Cluster {
+pub(crate) struct CoherentRays {
     rays: Vec<Ray>,
     /// Nearest facet of each ray.
     pub nearest: Vec<Nearest>,
@@ -28,7 +28,7 @@ pub(crate) struct Cluster {
     /// the number of the node above, plus the number of the child.
     pub waiting: Vec<(f32, u32)>,
     /// Rays in the frames of the hierarchy.
-    lines: [Lines; MOST_FRAMES],
+    lines: [FrameLines; MOST_FRAMES],
     sights: Vec<Sight>,
     /// Numbers of rays with those of facets of a block that they may meet.
     candidates: Vec<(u32, u32)>,
@@ -39,7 +39,7 @@ pub(crate) struct Cluster {
 }
 
 /// Origins and inverse directions of rays in a frame, with bounds on all of them.
-struct Lines {
+struct FrameLines {
     origin: [Singles; 3],
     inverse: [Singles; 3],
     /// Least and greatest origin by axis.
@@ -50,17 +50,17 @@ struct Lines {
     first: Option<[usize; 3]>,
 }
 
-impl Cluster {
-    /// Makes a cluster without rays.
+impl CoherentRays {
+    /// Makes an empty set of rays.
     pub(crate) fn new() -> Self {
-        let lines = || Lines {
+        let lines = || FrameLines {
             origin: [[0.0; LANES]; 3],
             inverse: [[1.0; LANES]; 3],
             origins: [[0.0; 2]; 3],
             inverses: [[1.0; 2]; 3],
             first: None,
         };
-        Cluster {
+        CoherentRays {
             rays: Vec::new(),
             nearest: Vec::new(),
             waiting: Vec::new(),
@@ -123,14 +123,14 @@ impl Cluster {
     /// Returns a lower bound on the distance at which a ray enters each box of `node`, and the set
     /// of boxes that a ray may enter within the distance `limit`.
     #[inline(always)]
-    pub(crate) fn reach(&self, node: &Node, limit: f32) -> ([f32; 8], u32) {
+    pub(crate) fn reach(&self, node: &WideNode, limit: f32) -> ([f32; 8], u32) {
         let (from, met) = self.lines[node.frame as usize].reach(&node.boxes, limit);
         (from, met & node.used)
     }
 
     /// Returns the rays that enter the box of child number `child` of `node`, one bit for each.
     #[inline(always)]
-    pub(crate) fn entering(&self, node: &Node, child: usize) -> u64 {
+    pub(crate) fn entering(&self, node: &WideNode, child: usize) -> u64 {
         let bounds = |end: usize| [0, 1, 2].map(|axis| node.boxes.ends[end][axis][child]);
         self.lines[node.frame as usize].entering([bounds(0), bounds(1)], &self.to)
     }
@@ -175,7 +175,7 @@ fn far(distance: f64, skipped: f64, padding: f64) -> f32 {
     far.min(f32::MAX)
 }
 
-impl Lines {
+impl FrameLines {
     /// Takes the ray of a lane.
     #[inline(always)]
     fn set(&mut self, lane: usize, origin: DVec3, direction: DVec3) {
@@ -215,10 +215,10 @@ impl Lines {
             .then(|| self.inverses.map(|[_, high]| usize::from(high <= 0.0)));
     }
 
-    /// Returns what [`Cluster::reach`] does.
+    /// Returns what [`CoherentRays::reach`] does.
     ///
     /// Differences and products of f32 are monotonic also after rounding. So the bounds hold for
-    /// what each ray computes in [`Lines::entering`].
+    /// what each ray computes in [`FrameLines::entering`].
     #[inline(always)]
     fn reach(&self, boxes: &Boxes, limit: f32) -> ([f32; 8], u32) {
         let (mut from, mut to) = ([0.0; 8], [limit; 8]);
@@ -295,7 +295,7 @@ const MOST: f32 = 1e30;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rays::bvh::Hierarchy;
+    use crate::rays::hierarchy::bvh::Hierarchy;
 
     /// Rays of all directions, alike ones and single ones, from outside and from facets: each finds
     /// what a loop over all facets finds.
@@ -314,7 +314,7 @@ mod tests {
             })
             .collect();
         let tree = Hierarchy::new(&facets);
-        let mut cluster = Cluster::new();
+        let mut coherent = CoherentRays::new();
         let (mut cases, mut met) = (0, 0);
         for k in 0..60 {
             let count = [64, 7, 1][k as usize % 3];
@@ -331,9 +331,9 @@ mod tests {
                     Ray::new(origin, way.normalize(), 4.0)
                 })
                 .collect();
-            cluster.fill(rays.iter().copied());
-            tree.nearest_of_cluster(&facets, &mut cluster);
-            for (ray, found) in rays.iter().zip(&cluster.nearest) {
+            coherent.fill(rays.iter().copied());
+            tree.nearest_of_each(&facets, &mut coherent);
+            for (ray, found) in rays.iter().zip(&coherent.nearest) {
                 let mut slow = Nearest::within(f64::INFINITY);
                 for (index, facet) in facets.iter().enumerate() {
                     slow.offer(index, facet, ray);
