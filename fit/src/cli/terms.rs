@@ -31,11 +31,18 @@ pub(crate) struct Terms {
         verbatim_doc_comment
     )]
     pub kernel: Kernels,
-    /// Shape of the lobe: radial, separable or auto; radial if left out.
-    ///
-    /// auto compares both shapes. The lobe of a baseline is beckmann, ggx or auto, and auto if you
-    /// leave this option out.
-    #[arg(long, value_parser = lobes, help_heading = "Model")]
+    #[arg(
+        long,
+        value_parser = lobes,
+        help_heading = "Model",
+        help = shape_of_the_lobe(),
+        long_help = format!(
+            "{}.\n\nauto compares {}. The lobe of a baseline is beckmann, ggx or \
+            auto, and auto if you leave this option out.",
+            shape_of_the_lobe(),
+            LobeShape::COMPARED.map(LobeShape::name).join(" and "),
+        )
+    )]
     pub lobe: Option<Lobes>,
     /// Parameters with one value per incidence.
     ///
@@ -127,9 +134,19 @@ fn lobes(text: &str) -> Result<Lobes, String> {
     }
     let mut all = LobeShape::ALL.into_iter().chain(LobeShape::MICROFACETS);
     let shape = all.find(|shape| shape.name() == text);
-    Ok(Lobes::One(shape.ok_or(
-        "use radial, separable or auto; with a baseline beckmann, ggx or auto",
-    )?))
+    let shape = shape.ok_or_else(|| {
+        format!(
+            "use {} or auto; with a baseline beckmann, ggx or auto",
+            LobeShape::NAMES.join(", ")
+        )
+    })?;
+    Ok(Lobes::One(shape))
+}
+
+/// Returns the first line of help on the lobe, which names all shapes.
+fn shape_of_the_lobe() -> String {
+    let names = LobeShape::NAMES.join(", ");
+    format!("Shape of the lobe: {names} or auto; radial if left out")
 }
 
 impl Terms {
@@ -162,16 +179,18 @@ impl Terms {
             return Err(conflict(message));
         }
         let shapes = match self.lobe {
-            None if baseline => self.model.shapes().to_vec(),
+            None if baseline => self.model.compared().to_vec(),
             None => vec![LobeShape::Radial],
-            Some(Lobes::Auto) => self.model.shapes().to_vec(),
+            Some(Lobes::Auto) => self.model.compared().to_vec(),
             Some(Lobes::One(shape)) if self.model.shapes().contains(&shape) => vec![shape],
             Some(Lobes::One(_)) if baseline => {
                 return Err(conflict("the lobe of a baseline is beckmann or ggx"));
             }
             Some(Lobes::One(_)) => {
-                let message = "the lobe of the proposed model is radial or separable";
-                return Err(conflict(message));
+                let [others @ .., last] = LobeShape::NAMES;
+                let names = others.join(", ");
+                let message = format!("the lobe of the proposed model is {names} or {last}");
+                return Err(Failure::conflict(verb, message));
             }
         };
         Ok(Candidates {

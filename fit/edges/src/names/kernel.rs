@@ -76,6 +76,14 @@ impl Family {
             Family::Saito | Family::Guo | Family::Mrm => &LobeShape::MICROFACETS,
         }
     }
+
+    /// Returns the shapes that are compared where none is chosen.
+    pub const fn compared(self) -> &'static [LobeShape] {
+        match self {
+            Family::Proposed => &LobeShape::COMPARED,
+            _ => self.shapes(),
+        }
+    }
 }
 
 impl Kernel {

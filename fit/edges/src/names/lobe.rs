@@ -24,6 +24,9 @@ impl LobeShape {
     /// Names of [`LobeShape::ALL`] in files, in the same order.
     pub const NAMES: [&'static str; 2] = ["radial", "separable"];
 
+    /// The shapes that are compared where none is chosen: the two readings of Eq. (1).
+    pub const COMPARED: [LobeShape; 2] = [LobeShape::Radial, LobeShape::Separable];
+
     /// The shapes of a baseline's lobe.
     pub const MICROFACETS: [LobeShape; 2] = [LobeShape::Beckmann, LobeShape::Ggx];
 
@@ -49,6 +52,22 @@ impl LobeShape {
             LobeShape::Separable => "separable",
             LobeShape::Beckmann => "beckmann",
             LobeShape::Ggx => "ggx",
+        }
+    }
+
+    /// Returns a sentence on the shape, for a reader who does not know its name.
+    pub const fn description(self) -> &'static str {
+        match self {
+            LobeShape::Radial => "A radial lobe is round.",
+            LobeShape::Separable => {
+                "A separable lobe is the product of one curve along each axis of the image."
+            }
+            LobeShape::Beckmann => {
+                "The name beckmann stands for a standard formula for the slopes of a rough surface."
+            }
+            LobeShape::Ggx => {
+                "The name ggx stands for a standard formula for the slopes of a rough surface."
+            }
         }
     }
 }

@@ -11,7 +11,6 @@ mod camera;
 mod edge;
 mod exits;
 mod lobe;
-pub mod microfacet;
 mod spread;
 pub mod wave;
 
@@ -21,7 +20,6 @@ pub use blur::Blur;
 pub use camera::{Camera, Lens};
 pub use edge::{Curve, Model};
 pub(crate) use exits::ExitBins;
-pub use lobe::CUT;
-pub use lobe::Lobe;
+pub use lobe::{CUT, Lobe, microfacet};
 pub(crate) use spread::{Even, Grid};
 pub use wave::Fault;

@@ -14,7 +14,6 @@ use estimator::model::Blur;
 use estimator::model::wave;
 use estimator::predict::Error;
 use estimator::predict::Fitted;
-use estimator::samples::LobeSampler;
 use estimator::samples::ShiftSampler;
 use estimator::samples::has_samples;
 use tables::WaveLine;
@@ -203,7 +202,7 @@ impl Spot for FittedSpot<'_> {
             Some(_) => Some(ShiftSampler::new(&self.direction)?),
             None => None,
         };
-        let lobe = self.lobe.map(|(shape, a)| (LobeSampler::new(shape), a));
+        let lobe = self.lobe;
         let c_mm = self.blur.c_mm;
         let tangential_mm = c_mm * self.place.incidence_deg.to_radians().cos();
         Some(Box::new(move |[u, v, w, z]| {
@@ -213,8 +212,8 @@ impl Spot for FittedSpot<'_> {
                 let [along, across] = shift.at([u, v]).shift;
                 at = [tangential_mm * along, c_mm * across];
             }
-            if let Some((lobe, a)) = &lobe {
-                let [along, across] = lobe.at([w, z]);
+            if let Some((lobe, a)) = lobe {
+                let [along, across] = lobe.offset([w, z]);
                 at = [at[0] + along / a, at[1] + across / a];
             }
             at

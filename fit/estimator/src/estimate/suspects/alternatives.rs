@@ -371,7 +371,7 @@ impl Search<'_> {
     /// Returns the kernels and lobes that were not among the candidates.
     pub(super) fn not_tried(&self) -> Vec<Alternative> {
         let kernels = [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe];
-        let pairs = LobeShape::ALL.into_iter();
+        let pairs = LobeShape::COMPARED.into_iter();
         let mut pairs: Vec<_> = pairs
             .flat_map(|shape| kernels.map(|kernel| (kernel, shape)))
             .collect();

@@ -50,18 +50,8 @@ pub(crate) fn explained(kernel: Kernel, lobe: Option<LobeShape>) -> String {
          small opening, such as that of a cube (diffraction): one ray becomes a spot of light, the \
          lobe."
     };
-    let shape = match lobe {
-        Some(LobeShape::Radial) => " A radial lobe is round.".to_owned(),
-        Some(LobeShape::Separable) => {
-            " A separable lobe is the product of one curve along each axis of the image.".to_owned()
-        }
-        Some(rough @ (LobeShape::Beckmann | LobeShape::Ggx)) => format!(
-            " The name {} stands for a standard formula for the slopes of a rough surface.",
-            rough.name()
-        ),
-        None => String::new(),
-    };
     let model = in_words(kernel, lobe);
+    let shape = lobe.map_or(String::new(), |shape| format!(" {}", shape.description()));
     format!("{effects} The model explains the blur by {model}.{shape}")
 }
 
