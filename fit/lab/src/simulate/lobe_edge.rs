@@ -1,8 +1,8 @@
 //! Edge profiles of a diffraction lobe, computed in space. No OTF is used, so a campaign simulated
 //! in this way checks an estimator that uses one.
 //!
-//! Both lobes are sinc^2. `radial` is sinc^2(a r), cut at a r = 2.4 pi and normalised; `separable`
-//! is sinc^2(a x) times sinc^2(a y).
+//! `radial` is sinc^2(a r), cut at a r = 2.4 pi and normalised; `separable` is sinc^2(a x) times
+//! sinc^2(a y); `gaussian` is exp(-(a r)^2), whose edge is an error function along every direction.
 
 use std::f64::consts::PI;
 
@@ -76,6 +76,7 @@ pub(crate) fn lobe_edge(
             round(&|x_mm| edge.at(x_mm))
         }
         LobeShape::Separable => separable_edge(a_per_mm, along, step_mm, half),
+        LobeShape::Gaussian => round(&|x_mm| 0.5 * libm::erfc(-a_per_mm * x_mm)),
         LobeShape::Beckmann | LobeShape::Ggx => {
             unreachable!("{} is not the shape of a diffraction lobe", shape.name())
         }

@@ -290,6 +290,7 @@ mod tests {
             lobe(LobeShape::Radial, 4.9),
             lobe(LobeShape::Radial, 8.0),
             lobe(LobeShape::Separable, 4.2),
+            lobe(LobeShape::Gaussian, 2.4),
         ];
         for spread in spreads {
             for (incidence, normal, sigma) in [
@@ -314,7 +315,11 @@ mod tests {
 
     #[test]
     fn profiles_run_from_dark_to_bright() {
-        for spread in [Spread::None, lobe(LobeShape::Radial, 4.9)] {
+        for spread in [
+            Spread::None,
+            lobe(LobeShape::Radial, 4.9),
+            lobe(LobeShape::Gaussian, 2.4),
+        ] {
             let profile = EdgeProfile::new(&blur(spread, 20.0, 12.0, 0.55), 8.0, STEPS_PER_PIXEL);
             assert!(profile.at(-8.0).abs() < 1e-12 && (profile.at(8.0) - 1.0).abs() < 1e-12);
             // Every part of the blur is symmetric about 0.

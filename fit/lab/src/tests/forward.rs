@@ -136,9 +136,9 @@ fn curves_are_those_of_the_closed_form() {
             }
         }
     }
-    // Two photographs, two sequences, two shapes. eq1 and angular have two derivatives, shift and
+    // Two photographs, two sequences, three shapes. eq1 and angular have two derivatives, shift and
     // lobe have one.
-    assert_eq!(cases, 2 * 2 * 2 * (3 + 3 + 2 + 2));
+    assert_eq!(cases, 2 * 2 * 3 * (3 + 3 + 2 + 2));
 }
 
 /// The gradient of the sampled sum of squares matches differences of that sum with the same

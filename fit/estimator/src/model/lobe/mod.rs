@@ -3,7 +3,14 @@
 //! Eq. (1) of Sugawara and Koizumi (SIGGRAPH Asia 2025 Posters) gives the diffraction lobe as
 //! sinc^2(a r) of the lateral offset r = R tan(theta_o - theta_i), with sinc t = sin t / t. The
 //! paper leaves open whether it is cut, and what it is in two dimensions. A scene chooses: `radial`
-//! or `separable`. The lobes of rough facets (`microfacet`) are here too, for the baselines.
+//! or `separable`.
+//!
+//! `gaussian` is not in the paper. Its density is exp(-(a r)^2) a^2 / pi, and its OTF
+//! exp(-(pi f / a)^2) = exp(-2 pi^2 sigma^2 f^2) with the standard deviation sigma = 1 / (sqrt(2) a)
+//! along each axis. So 1/a is a radius as it is in Eq. (1), where the light has fallen to 1/e
+//! instead of sin^2(1) = 0.71. This is the curve of Beckmann's facets with the roughness 1/a.
+//!
+//! The lobes of rough facets (`microfacet`) are here too, for the baselines.
 //!
 //! A shape has one file with its mathematics for a = 1, and one line in each match below. A new one
 //! needs nothing else but its name (`edges::names::LobeShape`) and its edge in space for the
@@ -25,7 +32,7 @@ pub trait Lobe {
     /// `normal` (tangential, sagittal), for `a` in 1/mm.
     ///
     /// The OTF is real, and 1 at frequency 0. Its accuracy is 2e-6 (radial, see `radial`), 3e-7
-    /// (ggx) and rounding (separable, beckmann).
+    /// (ggx) and rounding (separable, gaussian, beckmann).
     fn otf(self, a: f64, frequency: f64, normal: [f64; 2]) -> (f64, f64);
 
     /// Returns an offset (tangential, sagittal) of the lobe with a = 1 for a point of the unit
@@ -61,7 +68,7 @@ impl Lobe for LobeShape {
         match self {
             LobeShape::Radial => round(radial::otf),
             LobeShape::Separable => separable::otf(a, frequency, normal),
-            LobeShape::Beckmann => round(microfacet::beckmann),
+            LobeShape::Gaussian | LobeShape::Beckmann => round(microfacet::beckmann),
             LobeShape::Ggx => round(microfacet::ggx),
         }
     }
@@ -74,7 +81,7 @@ impl Lobe for LobeShape {
         match self {
             LobeShape::Radial => round(radial::radius(u)),
             LobeShape::Separable => [separable::axis(u), separable::axis(v)],
-            LobeShape::Beckmann => round(microfacet::beckmann_radius(u)),
+            LobeShape::Gaussian | LobeShape::Beckmann => round(microfacet::beckmann_radius(u)),
             LobeShape::Ggx => round(microfacet::ggx_radius(u)),
         }
     }
@@ -83,7 +90,7 @@ impl Lobe for LobeShape {
         match self {
             LobeShape::Radial => CUT / a,
             LobeShape::Separable => separable::reach_mm(a, tail),
-            LobeShape::Beckmann => microfacet::beckmann_reach(tail) / a,
+            LobeShape::Gaussian | LobeShape::Beckmann => microfacet::beckmann_reach(tail) / a,
             LobeShape::Ggx => microfacet::ggx_reach(tail) / a,
         }
     }
@@ -91,7 +98,7 @@ impl Lobe for LobeShape {
     fn kink(self, a: f64, normal: [f64; 2]) -> (f64, f64) {
         match self {
             LobeShape::Separable => separable::kink(a, normal),
-            LobeShape::Radial | LobeShape::Beckmann | LobeShape::Ggx => (0.0, 0.0),
+            _ => (0.0, 0.0),
         }
     }
 
@@ -116,9 +123,21 @@ fn cell_masses(count: usize, step: f64, density: impl Fn(f64) -> f64) -> Vec<f64
 mod tests {
     use super::*;
 
+    /// By the curvature of the OTF at 0. Relative to it, the difference errs by (pi d / a)^2 / 2 =
+    /// 5e-7 at d = a / 3000, and by the rounding 2e-16 / (pi d / a)^2 = 2e-10.
+    #[test]
+    fn a_gaussian_has_the_standard_deviation_that_its_a_means() {
+        let (a, d) = (3.0, 1e-3);
+        for normal in [[1.0, 0.0], [0.6, 0.8]] {
+            let curvature = 2.0 * (1.0 - LobeShape::Gaussian.otf(a, d, normal).0) / (d * d);
+            let ratio = curvature / (TAU * TAU) / (0.5 / (a * a));
+            assert!((ratio - 1.0).abs() < 6e-7, "{ratio}");
+        }
+    }
+
     #[test]
     fn derivatives_by_a_match_differences() {
-        for shape in [LobeShape::Radial, LobeShape::Separable] {
+        for shape in LobeShape::ALL {
             for f in [0.05, 0.3, 0.9, 1.2] {
                 for angle in [0.0_f64, 0.1, 0.6, 1.5] {
                     let normal = [angle.cos(), angle.sin()];
