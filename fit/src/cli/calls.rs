@@ -24,7 +24,7 @@ use edges::photographs::photo::picture::Picture;
 use estimator::estimate::{OtherTable, error};
 use estimator::predict::Fitted;
 use estimator::result::{Nominal, ResultFile};
-use pictures::images::UNWATCHED;
+use pictures::images::SILENT;
 
 pub use crate::cli::host::Caller;
 pub use tables::cli::Refused;
@@ -189,8 +189,7 @@ pub fn render(
         .map_err(Failure::from)?;
     let sheet = Fitted::new(result, table).map_err(Failure::from)?;
     let pool = terminal::pool(arguments.threads).map_err(Failure::from)?;
-    let (image, facts) =
-        pool.install(|| render::rendered(&arguments, &sheet, &source, UNWATCHED))?;
+    let (image, facts) = pool.install(|| render::rendered(&arguments, &sheet, &source, SILENT))?;
     Ok((image, output::json(&facts)))
 }
 

@@ -14,7 +14,7 @@ use tables::cli as terminal;
 use crate::cli::failure::Failure;
 use crate::cli::mtf::report::{Report, Request, measured};
 use crate::cli::mtf::table::{Entry, Photographs};
-use crate::cli::progress::Progress;
+use crate::cli::progress::Bar;
 use crate::cli::{output, parse};
 use edges::photographs::Roi;
 use edges::photographs::edge::accepted::Accepted;
@@ -223,7 +223,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Measures all photographs, in parallel, and prints the warnings and refusals in their order.
 fn all(images: &[PathBuf], request: &Request) -> Vec<Entry> {
-    let (progress, done) = (Progress::of_steps(), AtomicUsize::new(0));
+    let (progress, done) = (Bar::of_steps(), AtomicUsize::new(0));
     let one = |image: &PathBuf| {
         let found = measured(image, request);
         let done = 1 + done.fetch_add(1, Ordering::Relaxed);

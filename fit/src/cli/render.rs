@@ -16,7 +16,7 @@ use crate::cli::estimate::{check_model, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
-use crate::cli::progress::Progress;
+use crate::cli::progress::Bar;
 use crate::cli::render::facts::{Contrast, Report, Seconds, range};
 pub(crate) use crate::cli::render::remarks::spacious;
 use crate::cli::render::remarks::{beyond_the_rim, clipped, of_image, of_reduced};
@@ -31,7 +31,7 @@ use estimator::predict::{Fitted, remarks};
 use estimator::result::ResultFile;
 use pictures::images::render;
 use pictures::images::render::view::CameraView;
-use pictures::images::{Part, Scale, Viewpoint, Watch, automatic};
+use pictures::images::{RenderProgress, RenderStep, Scale, Viewpoint, automatic};
 
 /// Renders the mid-air image of a picture: blurred and dimmed by the fitted sheet.
 #[derive(Debug, clap::Args)]
@@ -295,8 +295,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sheet = Fitted::new(&result, &table)?;
     let read = started.elapsed().as_secs_f64();
 
-    let progress = Progress::of_steps();
-    let show = |part: Part| progress.part(part.what, part.done, part.of);
+    let progress = Bar::of_steps();
+    let show = |part: RenderStep| progress.part(part.what, part.done, part.of);
     let made = pool.install(|| rendered(arguments, &sheet, &source, &show));
     progress.done();
     let (image, mut report) = made?;
@@ -366,12 +366,12 @@ fn looked(
     sheet: &Fitted<'_>,
     source: &Picture,
     view: Option<&CameraView>,
-    watch: Watch<'_>,
+    progress: RenderProgress<'_>,
 ) -> Result<(Seen, Option<Picture>, f64), render::Error> {
     let way = Way {
         forward: arguments.forward,
         sampling: arguments.samples.sampling(),
-        watch,
+        progress,
     };
     if let Some(view) = view {
         let seen = from_camera(source, sheet, view, arguments.tolerance, &way)?;
@@ -402,13 +402,13 @@ pub(super) fn rendered(
     arguments: &Arguments,
     sheet: &Fitted<'_>,
     source: &Picture,
-    watch: Watch<'_>,
+    progress: RenderProgress<'_>,
 ) -> Result<(Picture, Report), Failure> {
     let (result, table) = (sheet.result, sheet.table);
     let view = arguments.view.as_deref().map(CameraView::load).transpose();
     let view = view.map_err(render::Error::from)?;
     let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
-    let looked = looked(arguments, sheet, source, view.as_ref(), watch)?;
+    let looked = looked(arguments, sheet, source, view.as_ref(), progress)?;
     let (seen, reduced, pitch_mm) = looked;
     let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
     let mut warnings = remarks(result, table, &places)?;

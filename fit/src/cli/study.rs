@@ -23,8 +23,8 @@ use crate::cli::terms::{Terms, described};
 use crate::cli::{forward, sampled};
 use estimator::estimate::Forward;
 use estimator::estimate::Kind;
+use estimator::estimate::Progress;
 use estimator::estimate::Scene;
-use estimator::estimate::Watch;
 use estimator::estimate::select::select;
 use lab::study::Ranges;
 use lab::study::Summary;
@@ -235,7 +235,7 @@ fn rendered(
     let table = expected.read(&arguments.table)?;
     let speed = pool.install(|| -> Result<Speed, Failure> {
         let scene = Scene::load(&campaign, &table)?;
-        let choice = select(&scene, Kind::Mtf, &open, &Watch::NOBODY)?
+        let choice = select(&scene, Kind::Mtf, &open, &Progress::SILENT)?
             .best
             .choice;
         let samplings = arguments.forward.samplings(arguments.seed);

@@ -16,7 +16,7 @@
 //! - [`bound`], `azimuth`, [`forward`]: bounds, the azimuth, and the estimate by samples.
 //! - [`mod@goodness`], `suspects`: how well the fit describes the photographs, and why it does not.
 //! - `trusted`: effects of what no photograph can check.
-//! - `mirror`, `verdict`: warnings. [`watch`]: progress and cancellation.
+//! - `mirror`, `verdict`: warnings. [`progress`]: progress and cancellation.
 
 mod azimuth;
 pub mod bound;
@@ -36,6 +36,7 @@ mod mirror;
 pub(crate) mod optics;
 pub mod optimum;
 mod placed;
+pub mod progress;
 mod reference;
 mod remarks;
 pub mod scene;
@@ -44,7 +45,6 @@ pub mod start;
 mod suspects;
 mod trusted;
 mod verdict;
-pub mod watch;
 
 pub use azimuth::{Azimuth, find, scatter};
 pub use bound::Bound;
@@ -71,6 +71,7 @@ pub use optimum::Optimum;
 pub use optimum::residuals_at;
 pub use optimum::{refined, sum_of_squares_with, tolerance_for};
 pub use placed::{OtherIndex, Placed};
+pub use progress::{Progress, Step};
 pub use reference::measure as measured_reference;
 pub use scene::{Aerial, Scene};
 pub use select::Candidates;
@@ -81,4 +82,3 @@ pub use suspects::{OtherTable, Suspect};
 pub use trusted::Doubted;
 pub use trusted::in_words as trusted_in_words;
 pub use trusted::{Effect, Given, Trusted};
-pub use watch::{Step, Watch};

@@ -15,10 +15,10 @@ use crate::compare::View;
 use crate::estimate::error::Error;
 use crate::estimate::facing::{Along, Facing, Returned};
 use crate::estimate::optics::Optics;
+use crate::estimate::progress::{Progress, Step};
 use crate::estimate::reference;
 use crate::estimate::reference::Reference;
 use crate::estimate::remarks;
-use crate::estimate::watch::{Step, Watch};
 use crate::model::Camera;
 use crate::model::wave;
 use crate::samples::Sampled;
@@ -122,21 +122,21 @@ impl Scene {
     /// edge, [`Error::Direction`] if the table neither holds nor brackets its direction, and
     /// [`Error::NothingLeft`] if no capture returns light.
     pub fn of(campaign: &Campaign, table: &Table, photo: &Source) -> Result<Scene, Error> {
-        Scene::watched(campaign, table, photo, &Watch::NOBODY)
+        Scene::reported(campaign, table, photo, &Progress::SILENT)
     }
 
-    /// Measures the photographs of a campaign and reports each one to `watch`.
+    /// Measures the photographs of a campaign and reports each one to `progress`.
     ///
     /// # Errors
     /// Returns [`Error::Captures`] if `photo` fails, [`Error::Edge`] if a photograph has no usable
     /// edge, [`Error::Direction`] if the table neither holds nor brackets its direction,
     /// [`Error::NothingLeft`] if no capture returns light, [`Error::Sharper`] if a capture is
-    /// sharper than the reference, and [`Error::Cancelled`] if the flag of `watch` is set.
-    pub fn watched(
+    /// sharper than the reference, and [`Error::Cancelled`] if the flag of `progress` is set.
+    pub fn reported(
         campaign: &Campaign,
         table: &Table,
         photo: &Source,
-        watch: &Watch,
+        progress: &Progress,
     ) -> Result<Scene, Error> {
         let setup = &campaign.setup;
         let mut warnings = campaign.warnings.clone();
@@ -155,7 +155,7 @@ impl Scene {
             .map(|capture| {
                 let aerial = measuring.aerial(capture)?;
                 let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-                watch.done(Step::Photographs { done, of })?;
+                progress.done(Step::Photographs { done, of })?;
                 Ok(aerial)
             })
             .collect::<Result<_, Error>>()?;

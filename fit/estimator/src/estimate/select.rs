@@ -21,9 +21,9 @@ use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, refined, rough, rough_from, unrefined, widened};
+use crate::estimate::progress::{Progress, Step};
 use crate::estimate::scene::Scene;
 use crate::estimate::start;
-use crate::estimate::watch::{Step, Watch};
 use crate::model::wave;
 use crate::samples::has_samples;
 use edges::names::Kernel;
@@ -194,19 +194,19 @@ fn misfit(fits: &[Optimum]) -> f64 {
 ///
 /// # Errors
 /// Returns [`Error::NothingOpen`] if there is no candidate, and [`Error::Cancelled`] if the flag of
-/// `watch` is set.
+/// `progress` is set.
 pub fn select<'a>(
     scene: &'a Scene,
     kind: Kind,
     open: &Candidates,
-    watch: &Watch,
+    progress: &Progress,
 ) -> Result<Selection<'a>, Error> {
     let choices = choices(scene, open);
     let of = 2 * choices.len();
     let mut fits: Vec<Optimum> = Vec::new();
     for (done, choice) in (1..).zip(choices) {
         fits.push(rough(scene, choice));
-        watch.done(Step::Candidates { done, of })?;
+        progress.done(Step::Candidates { done, of })?;
     }
     share_c(scene, &mut fits);
     let scale = misfit(&fits);
@@ -221,7 +221,7 @@ pub fn select<'a>(
         let hopeful = fit.criterion(scale) <= HOPELESS * least + CLEAR;
         let finish = if hopeful { refined } else { unrefined };
         *fit = finish(scene, &loss, fit.clone());
-        watch.done(Step::Candidates { done, of })?;
+        progress.done(Step::Candidates { done, of })?;
     }
     widen(scene, &loss, &mut fits);
     let scale = misfit(&fits);
@@ -245,7 +245,7 @@ pub fn select<'a>(
     if open.per_angle_mu.is_none() && best.choice.per_angle_mu && !needs_own_mu(scene, &best) {
         best = estimate(scene, &loss, shared_mu);
     }
-    watch.done(Step::Chosen)?;
+    progress.done(Step::Chosen)?;
     Ok(Selection {
         loss,
         near,

@@ -10,8 +10,8 @@ use estimator::compare::Contrast;
 use estimator::compare::Weights;
 use estimator::estimate::Candidates;
 use estimator::estimate::Choice;
+use estimator::estimate::Progress;
 use estimator::estimate::Scene;
-use estimator::estimate::Watch;
 use estimator::estimate::absent;
 use estimator::estimate::optimum::{optimum, sum_of_squares_with};
 use estimator::estimate::select::{Selection, select};
@@ -246,7 +246,7 @@ fn selection_finds_the_planted_terms() {
                 &params(11, truth, &incidence, &[150.0, 300.0], camera(4e4)),
                 &table,
             );
-            let selection = select(&scene, Kind::Mtf, &everything, &Watch::NOBODY).unwrap();
+            let selection = select(&scene, Kind::Mtf, &everything, &Progress::SILENT).unwrap();
             // A parameter that was left out has a bound in the direction in which its blur
             // vanishes.
             let bound = absent(&scene, &selection, 1.0);

@@ -6,8 +6,8 @@ use edges::names::LobeShape;
 use estimator::compare::Weights;
 use estimator::estimate::Choice;
 use estimator::estimate::Loss;
+use estimator::estimate::Progress;
 use estimator::estimate::Scene;
-use estimator::estimate::Watch;
 use estimator::estimate::optimum::optimum;
 use estimator::estimate::{Estimate, estimate};
 use estimator::estimate::{RANDOMISATIONS, Renders};
@@ -224,7 +224,7 @@ fn estimates_land_on_the_closed_form_within_their_sampling_error() {
                 ..renders(&scene, &table, sampling)
             };
             let (fit, _) = renders
-                .estimate(choice, &Watch::NOBODY)
+                .estimate(choice, &Progress::SILENT)
                 .expect("the table has the directions");
             assert!(fit.solution.iterations < 200, "{}", fit.solution.iterations);
             let own = fit.sampling.as_ref().expect("samples were drawn");

@@ -11,7 +11,7 @@ use edges::names::{Kernel, LobeShape, Spectrum};
 use edges::photographs::Campaign;
 use estimator::estimate::campaign::campaign as estimated;
 use estimator::estimate::{Candidates, Doubted, Effect, Estimate, Estimated, Given, Options};
-use estimator::estimate::{OtherTable, Trusted, Watch, trusted_in_words};
+use estimator::estimate::{OtherTable, Progress, Trusted, trusted_in_words};
 use tables::Table;
 
 /// Incidences of the photographs, between directions of the table.
@@ -50,7 +50,7 @@ fn found(planted: &Params, manifest: &Campaign, table: &Table) -> Estimated {
         ..Candidates::proposed()
     });
     let photographs = trial::source(planted, photograph);
-    estimated(manifest, &photographs, table, &options, &Watch::NOBODY).unwrap()
+    estimated(manifest, &photographs, table, &options, &Progress::SILENT).unwrap()
 }
 
 /// Returns c, the spread and mu, each as value and relative standard error; `None` where the kernel

@@ -17,8 +17,8 @@ use crate::images::render::transform::Convolver;
 use crate::images::render::view::{CameraView, Seen};
 use rayon::prelude::*;
 
+use crate::images::progress::{Pieces, RenderProgress};
 use crate::images::spot::{Sheet, Viewpoint};
-use crate::images::watch::{Pieces, Watch};
 use edges::photographs::photo::picture::Picture;
 
 /// Reason why an image cannot be made.
@@ -112,7 +112,7 @@ pub fn uniform_psf(sheet: &dyn Sheet, place: &Viewpoint, scale: &Scale) -> Resul
 /// This is the far field: every pixel is seen at the same incidence and distance. The sum of each
 /// colour plane is the energy times that of the source, except for the light that is blurred past
 /// the frame.
-pub fn uniform(source: &Picture, psf: &Psf, watch: Watch<'_>) -> Picture {
+pub fn uniform(source: &Picture, psf: &Psf, progress: RenderProgress<'_>) -> Picture {
     let energy = psf.energy.unwrap_or(1.0) as f32;
     let size = [source.width, source.height];
     let planes = if energy == 0.0 {
@@ -125,7 +125,7 @@ pub fn uniform(source: &Picture, psf: &Psf, watch: Watch<'_>) -> Picture {
             .iter_mut()
             .for_each(|weight| *weight *= energy);
         let weights = convolver.weights(&scaled);
-        let pieces = Pieces::new(watch, "colours", source.planes.len());
+        let pieces = Pieces::new(progress, "colours", source.planes.len());
         let planes = source.planes.iter();
         planes
             .map(|plane| {
@@ -157,11 +157,11 @@ pub fn viewed(
     view: &CameraView,
     half_mirror: f64,
     tolerance: f64,
-    watch: Watch<'_>,
+    progress: RenderProgress<'_>,
 ) -> Result<(Picture, Tiles), Error> {
     let size = [source.width, source.height];
     let seen = seen_by(view, source);
-    let tiles = Tiles::new(size, tolerance, watch, |at| -> Result<Psf, Error> {
+    let tiles = Tiles::new(size, tolerance, progress, |at| -> Result<Psf, Error> {
         let Seen {
             place,
             pixels_from_mm,
@@ -170,7 +170,7 @@ pub fn viewed(
         let psf = Psf::new(sheet, &place, pixels_from_mm);
         psf.map_err(|error| Error::Pixel(at.map(|side| side.max(0.0)), Box::new(error)))
     })?;
-    let mut planes = tiles.render(&source.planes, size, watch);
+    let mut planes = tiles.render(&source.planes, size, progress);
     coat(&mut planes, source, view, half_mirror)?;
     let image = Picture {
         planes,

@@ -10,7 +10,7 @@ use pictures::images::render::psf::{LARGEST, Psf};
 use pictures::images::render::sampled;
 use pictures::images::render::sampled::Spotted;
 use pictures::images::render::view::CameraView;
-use pictures::images::{Scale, Viewpoint, Watch};
+use pictures::images::{RenderProgress, Scale, Viewpoint};
 
 /// Way in which an image is made.
 pub(super) struct Way<'a> {
@@ -19,7 +19,7 @@ pub(super) struct Way<'a> {
     /// Samples of the blur, for a render by samples.
     pub sampling: Sampling,
     /// Callback for the progress.
-    pub watch: Watch<'a>,
+    pub progress: RenderProgress<'a>,
 }
 
 /// Image and the facts about it.
@@ -74,12 +74,12 @@ pub(super) fn from_afar(
     Ok(match way.forward {
         Forward::Spectral => {
             let psf = render::uniform_psf(sheet, &place, scale)?;
-            let image = render::uniform(source, &psf, way.watch);
+            let image = render::uniform(source, &psf, way.progress);
             Seen::by_transforms(image, vec![place], &[psf])
         }
         Forward::Render => {
-            let (sampling, watch) = (way.sampling, way.watch);
-            let found = sampled::uniform(source, sheet, &place, scale, sampling, watch)?;
+            let (sampling, progress) = (way.sampling, way.progress);
+            let found = sampled::uniform(source, sheet, &place, scale, sampling, progress)?;
             Seen::by_samples(found)
         }
     })
@@ -130,11 +130,11 @@ pub(super) fn from_camera(
     tolerance: f64,
     way: &Way<'_>,
 ) -> Result<Seen, render::Error> {
-    let (half_mirror, watch) = (sheet.result.half_mirror, way.watch);
+    let (half_mirror, progress) = (sheet.result.half_mirror, way.progress);
     Ok(match way.forward {
         Forward::Spectral => {
             let (image, tiles) =
-                render::viewed(source, sheet, view, half_mirror, tolerance, watch)?;
+                render::viewed(source, sheet, view, half_mirror, tolerance, progress)?;
             let [width, height] = [source.width, source.height].map(|n| n as f64);
             let places = tiles.corner_places().map(|[x, y]| {
                 let seen = view.at([x - 0.5 * (width - 1.0), y - 0.5 * (height - 1.0)]);
@@ -151,7 +151,7 @@ pub(super) fn from_camera(
         }
         Forward::Render => {
             let sampling = way.sampling;
-            let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling, watch)?;
+            let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling, progress)?;
             Seen::by_samples(sampled)
         }
     })

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use crate::estimate::choice::Choice;
 use crate::estimate::placed::{OtherIndex, Placed};
+use crate::estimate::progress::Progress;
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::select::CLEAR;
 use crate::estimate::suspects::{Alternative, Otherwise, SURE, Search};
-use crate::estimate::watch::Watch;
 use edges::names::{Kernel, LobeShape};
 use edges::photographs::photo::transfer::Transfer;
 
@@ -337,7 +337,8 @@ impl Search<'_> {
         for shot in campaign.reference.iter_mut().chain(shots) {
             shot.decode.transfer = Some(to);
         }
-        let Ok(scene) = Scene::watched(&campaign, self.table, self.photo, &Watch::NOBODY) else {
+        let Ok(scene) = Scene::reported(&campaign, self.table, self.photo, &Progress::SILENT)
+        else {
             return;
         };
         let other = scene
