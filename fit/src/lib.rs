@@ -76,7 +76,7 @@ pub use edges::photographs::captures::load as load_campaign;
 pub use edges::photographs::measure::edge as measure_edge;
 pub use edges::photographs::photo::channel::Decode;
 pub use edges::photographs::photo::exif::Settings;
-pub use edges::photographs::photo::held::Held;
+pub use edges::photographs::photo::in_memory::InMemory;
 pub use edges::photographs::photo::load as load_photo;
 pub use edges::photographs::photo::load_colour;
 pub use edges::photographs::photo::picture::{Picture, Writing};

@@ -25,7 +25,7 @@ use edges::names::Family;
 use edges::names::Spectrum;
 use edges::photographs::captures;
 use edges::photographs::photo::channel::Channel;
-use edges::photographs::photo::held::Held;
+use edges::photographs::photo::in_memory::InMemory;
 use edges::photographs::{Campaign, Shot};
 use estimator::estimate::Forward;
 use estimator::estimate::Kind;
@@ -311,7 +311,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Inputs of an estimate that another program calls.
 pub(super) struct Inputs<'a> {
     /// Text of the manifest, and the photographs that it names; `None` if both are files.
-    pub(super) held: Option<(String, HashMap<PathBuf, Held>)>,
+    pub(super) held: Option<(String, HashMap<PathBuf, InMemory>)>,
     /// Table of the sheet.
     pub(super) table: &'a Arc<Table>,
     /// Further tables.

@@ -19,7 +19,7 @@ use crate::cli::{output, parse};
 use edges::photographs::Roi;
 use edges::photographs::edge::accepted::Accepted;
 use edges::photographs::photo::channel::{Channel, Decode};
-use edges::photographs::photo::held::Held;
+use edges::photographs::photo::in_memory::InMemory;
 use edges::photographs::photo::transfer::Transfer;
 #[cfg(feature = "full")]
 use pictures::report::plot;
@@ -149,7 +149,10 @@ impl Arguments {
 ///
 /// # Errors
 /// Fails if the photograph cannot be read or holds no edge.
-pub(super) fn measurement(arguments: &Arguments, held: Option<&Held>) -> Result<String, Failure> {
+pub(super) fn measurement(
+    arguments: &Arguments,
+    held: Option<&InMemory>,
+) -> Result<String, Failure> {
     let request = arguments.request()?;
     let report = match (held, &arguments.image[..]) {
         (Some(held), _) => {
