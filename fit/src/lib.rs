@@ -93,7 +93,7 @@ pub use estimator::estimate::Kind as LossKind;
 pub use estimator::estimate::campaign::campaign as estimate_campaign;
 pub use estimator::estimate::{Chances, Goodness, Verdict, Worst};
 pub use estimator::estimate::{Choice, Value};
-pub use estimator::estimate::{Effect, Given, Trusted};
+pub use estimator::estimate::{Effect, Unverified, UnverifiedInput};
 pub use estimator::estimate::{Estimated, Options};
 pub use estimator::estimate::{OtherTable, Suspect};
 pub use estimator::estimate::{Progress, Step};

@@ -20,7 +20,7 @@ use crate::estimate::progress::Progress;
 use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::{Candidates, Ranked, Selection, select};
 use crate::estimate::suspects::{OtherTable, Search, Suspect};
-use crate::estimate::trusted::{Doubted, Trusted};
+use crate::estimate::unverified::{Doubted, Unverified};
 use crate::estimate::verdict;
 use crate::model::wave;
 use crate::samples::Sampling;
@@ -133,7 +133,7 @@ pub struct Estimated {
     /// Azimuth after which the cell of the table repeats itself, degrees.
     pub azimuth_period_deg: f64,
     /// Inputs that no photograph can check, with the effects of small errors of them.
-    pub trusted: Vec<Trusted>,
+    pub trusted: Vec<Unverified>,
     /// Warnings about the campaign as a whole, one sentence each.
     pub warnings: Vec<String>,
     /// Candidate and parameters from which the noise of the pixels was estimated.
@@ -225,7 +225,7 @@ pub fn campaign(
         bounds: &bounds,
         azimuth_found: azimuth.is_some(),
     };
-    let trusted = doubted.trusted();
+    let trusted = doubted.unverified();
     let scene = sampled.unwrap_or(scene);
     warnings.extend(left_out);
     warnings.extend(verdict::of_estimate(

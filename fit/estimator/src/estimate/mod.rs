@@ -15,7 +15,7 @@
 //! - [`select`](mod@select): the choice of the terms.
 //! - [`bound`], `azimuth`, [`forward`]: bounds, the azimuth, and the estimate by samples.
 //! - [`mod@goodness`], `suspects`: how well the fit describes the photographs, and why it does not.
-//! - `trusted`: effects of what no photograph can check.
+//! - `unverified`: effects of what no photograph can check.
 //! - `mirror`, `verdict`: warnings. [`progress`]: progress and cancellation.
 
 mod azimuth;
@@ -43,7 +43,7 @@ pub mod scene;
 pub mod select;
 pub mod start;
 mod suspects;
-mod trusted;
+mod unverified;
 mod verdict;
 
 pub use azimuth::{Azimuth, find, scatter};
@@ -79,6 +79,6 @@ pub use select::Ranked;
 pub use select::Selection;
 pub use select::{CLEAR, own_mu_limit, scatter_of_mu};
 pub use suspects::{OtherTable, Suspect};
-pub use trusted::Doubted;
-pub use trusted::in_words as trusted_in_words;
-pub use trusted::{Effect, Given, Trusted};
+pub use unverified::Doubted;
+pub use unverified::in_words as unverified_in_words;
+pub use unverified::{Effect, Unverified, UnverifiedInput};

@@ -8,7 +8,7 @@ use edges::names::Kernel;
 use edges::names::LobeShape;
 use estimator::estimate::campaign::campaign as estimated;
 use estimator::estimate::{Azimuth, find, scatter};
-use estimator::estimate::{Candidates, Choice, Given, Kind, Options, Progress, Scene};
+use estimator::estimate::{Candidates, Choice, Kind, Options, Progress, Scene, UnverifiedInput};
 use nalgebra::DVector;
 use tables::{Exact, Symmetry, Table};
 
@@ -170,6 +170,6 @@ fn an_azimuth_without_the_view_is_warned_of() {
         assert_eq!(count, usize::from(warned), "{said:?}: {:?}", found.warnings);
         let trusts = |given| found.trusted.iter().any(|entry| entry.what == given);
         // An azimuth that is estimated is not taken on trust.
-        assert!(!trusts(Given::AzimuthDeg) && trusts(Given::IncidenceDeg));
+        assert!(!trusts(UnverifiedInput::AzimuthDeg) && trusts(UnverifiedInput::IncidenceDeg));
     }
 }

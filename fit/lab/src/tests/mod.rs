@@ -31,5 +31,5 @@ mod simulate_campaign;
 mod statistics;
 mod study;
 mod suspects;
-mod trusted;
+mod unverified;
 mod wave;
