@@ -8,7 +8,7 @@
 //! The files, from the lowest to the highest:
 //!
 //! - [`choice`]: the parameters of a candidate. [`layout`]: their order in a vector.
-//! - [`facing`], [`scene`], `placed`: photographs with their directions. `compared`: their
+//! - [`facing`], [`scene`], `perturbed`: photographs with their directions. `compared`: their
 //!   models.
 //! - `joint`, [`loss`]: the function that is minimised. [`start`], [`optimum`]: its minimum.
 //! - `covariance`, [`fitted`]: the results that follow from the minimum.
@@ -35,7 +35,7 @@ pub mod loss;
 mod mirror;
 pub(crate) mod optics;
 pub mod optimum;
-mod placed;
+mod perturbed;
 pub mod progress;
 mod reference;
 mod remarks;
@@ -70,7 +70,7 @@ pub use loss::Loss;
 pub use optimum::Optimum;
 pub use optimum::residuals_at;
 pub use optimum::{refined, sum_of_squares_with, tolerance_for};
-pub use placed::{OtherIndex, Placed};
+pub use perturbed::{Conditions, OtherIndex};
 pub use progress::{Progress, Step};
 pub use reference::measure as measured_reference;
 pub use scene::{Aerial, Scene};

@@ -60,7 +60,7 @@ pub struct Aerial {
     /// True if the camera saw the sheet in the half mirror.
     pub seen_in_mirror: bool,
     /// Angle by which the tangential axis lies further than the manifest says, from +x towards +y,
-    /// radians; 0 except in a scene that is [`Scene::placed`] otherwise.
+    /// radians; 0 except in a [`Scene::perturbed`].
     pub axis_turn_rad: f64,
     /// Samples of the photograph, if its model is evaluated by samples.
     pub sampled: Option<Sampled>,

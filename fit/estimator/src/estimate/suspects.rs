@@ -25,7 +25,7 @@ use crate::estimate::goodness::{Goodness, Verdict};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined_to, rough_from};
-use crate::estimate::placed::{OtherIndex, Placed};
+use crate::estimate::perturbed::{Conditions, OtherIndex};
 use crate::estimate::progress::{Cancelled, Progress, Step};
 use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::Ranked;
@@ -123,7 +123,7 @@ struct Otherwise<'a> {
     /// Refractive index in place of the table's.
     index: Option<OtherIndex>,
     /// Conditions under which each photograph was taken.
-    placed: Vec<Placed>,
+    conditions: Vec<Conditions>,
 }
 
 /// One alternative to the campaign as the manifest states it.

@@ -2,7 +2,7 @@
 //! can check, each with the effect of a small error on c, a and mu.
 //!
 //! An effect is a step of Gauss and Newton. The chosen candidate, at its optimum, is compared with
-//! the photographs in the scene as it would be if the number were another (see `placed`), and mu
+//! the photographs in the scene as it would be if the number were another (see `perturbed`), and mu
 //! follows at the end of the step. Noise and light of the photographs are found at the optimum. The
 //! step misses the optimum of the other scene by a part of the effect that is about as large as the
 //! effect itself, a few percent of it. Another cell has large effects, and is fitted to the end.
@@ -24,7 +24,7 @@ use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined};
-use crate::estimate::placed::{OtherIndex, Placed, sends_straight_back};
+use crate::estimate::perturbed::{Conditions, OtherIndex, sends_straight_back};
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::suspects::OtherTable;
 use edges::names::{Kernel, ParameterKind};
@@ -261,7 +261,7 @@ impl Doubts<'_> {
         }
         let index = table.provenance.refractive_index;
         let denser = OtherIndex::of(table, STEP * index);
-        let denser = denser.and_then(|other| self.placed(Some(other), |_| ()));
+        let denser = denser.and_then(|other| self.perturbed(Some(other), |_| ()));
         all.push(entry(UnverifiedInput::RefractiveIndex, Some(index), denser));
         all
     }
@@ -272,10 +272,10 @@ impl Doubts<'_> {
         let mut all = Vec::new();
         let steeper = |by: f64| {
             // The light of the incidence -x comes from the other side, at x.
-            let place = move |placed: &mut Placed| {
-                placed.incidence_deg = (placed.incidence_deg + by).abs();
+            let place = move |conditions: &mut Conditions| {
+                conditions.incidence_deg = (conditions.incidence_deg + by).abs();
             };
-            self.placed(None, place)
+            self.perturbed(None, place)
         };
         let value = equal(scene.shots.iter().map(|shot| Some(shot.incidence_deg)));
         all.push(self.either_way(UnverifiedInput::IncidenceDeg, value, steeper));
@@ -283,16 +283,17 @@ impl Doubts<'_> {
         // A mean over all azimuths has none, and one that was estimated is not taken on trust.
         if azimuths().any(|own| own.is_some()) && !self.doubted.azimuth_found {
             let turned = |by: f64| {
-                let place = move |placed: &mut Placed| {
-                    placed.azimuth_deg = placed.azimuth_deg.map(|own| own + by);
+                let place = move |conditions: &mut Conditions| {
+                    conditions.azimuth_deg = conditions.azimuth_deg.map(|own| own + by);
                 };
-                self.placed(None, place)
+                self.perturbed(None, place)
             };
             all.push(self.either_way(UnverifiedInput::AzimuthDeg, equal(azimuths()), turned));
         }
         let turned = |by: f64| {
-            let place = move |placed: &mut Placed| placed.axis_turn_rad += by.to_radians();
-            self.placed(None, place)
+            let place =
+                move |conditions: &mut Conditions| conditions.axis_turn_rad += by.to_radians();
+            self.perturbed(None, place)
         };
         let captures = self.doubted.campaign.captures.iter();
         let value = equal(captures.map(|capture| Some(capture.tangential_axis_deg)));
@@ -306,10 +307,10 @@ impl Doubts<'_> {
         if others.is_empty() {
             return vec![self.entry(UnverifiedInput::Cell, None, "another cell", None)];
         }
-        let own: Vec<Placed> = scene.shots.iter().map(Aerial::placed).collect();
+        let own: Vec<Conditions> = scene.shots.iter().map(Aerial::conditions).collect();
         let one = |other: &OtherTable| {
-            let placed = scene.placed(&other.table, None, &own).ok();
-            let changes = placed.and_then(|scene| self.changes(&scene, Solve::Fit));
+            let perturbed = scene.perturbed(&other.table, None, &own).ok();
+            let changes = perturbed.and_then(|scene| self.changes(&scene, Solve::Fit));
             let step = format!("table {}", other.name);
             self.entry(UnverifiedInput::Cell, None, &step, changes)
         };
@@ -326,21 +327,28 @@ impl Doubts<'_> {
     ) -> Unverified {
         let ways = [(1.0, "1 deg"), (-1.0, "-1 deg")];
         let mut found = ways.iter().map(|&(by, step)| (step, changes(by)));
-        let solve = found.find(|(_, changes)| changes.is_some());
-        let (step, changes) = solve.unwrap_or(("1 deg", None));
+        let effect = found.find(|(_, changes)| changes.is_some());
+        let (step, changes) = effect.unwrap_or(("1 deg", None));
         self.entry(what, value, step, changes)
     }
 
     /// Returns the changes if all photographs had been taken otherwise.
-    fn placed(&self, index: Option<OtherIndex>, by: impl Fn(&mut Placed)) -> Option<Changes> {
+    fn perturbed(
+        &self,
+        index: Option<OtherIndex>,
+        by: impl Fn(&mut Conditions),
+    ) -> Option<Changes> {
         let Doubted { scene, table, .. } = *self.doubted;
         let other = |shot: &Aerial| {
-            let mut placed = shot.placed();
-            by(&mut placed);
-            placed
+            let mut conditions = shot.conditions();
+            by(&mut conditions);
+            conditions
         };
-        let placed: Vec<Placed> = scene.shots.iter().map(other).collect();
-        self.changes(&scene.placed(table, index, &placed).ok()?, Solve::Step)
+        let conditions: Vec<Conditions> = scene.shots.iter().map(other).collect();
+        self.changes(
+            &scene.perturbed(table, index, &conditions).ok()?,
+            Solve::Step,
+        )
     }
 
     /// Returns the changes in another scene.
@@ -362,7 +370,7 @@ impl Doubts<'_> {
         let mut changes = self.none();
         match kernel {
             _ if kernel == Kernel::Wave || kernel.is_baseline() || !sends_straight_back(table) => {
-                self.placed(None, |placed| placed.r_mm *= by)
+                self.perturbed(None, |conditions| conditions.r_mm *= by)
             }
             Kernel::Angular => {
                 self.spreads(&mut changes)

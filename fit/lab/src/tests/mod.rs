@@ -20,8 +20,8 @@ mod lamps;
 mod mirror;
 mod nominal;
 mod one_sided;
+mod perturbed;
 mod pixels;
-mod placed;
 mod prediction;
 #[cfg(feature = "raw")]
 mod raw;
