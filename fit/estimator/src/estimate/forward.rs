@@ -87,7 +87,7 @@ impl Renders<'_> {
     ) -> Result<Sampled, tables::Error> {
         let kernel = choice.kernel;
         let sampler = if kernel.has_c() {
-            let azimuth_deg = shot.facing.azimuth_deg;
+            let azimuth_deg = shot.direction.azimuth_deg;
             ShiftSampler::new(&self.table.direction(shot.incidence_deg, azimuth_deg)?)
         } else {
             None

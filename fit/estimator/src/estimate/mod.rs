@@ -8,7 +8,7 @@
 //! The files, from the lowest to the highest:
 //!
 //! - [`choice`]: the parameters of a candidate. [`layout`]: their order in a vector.
-//! - [`facing`], [`scene`], `perturbed`: photographs with their directions. `compared`: their
+//! - [`direction`], [`scene`], `perturbed`: photographs with their directions. `compared`: their
 //!   models.
 //! - `joint`, [`loss`]: the function that is minimised. [`start`], [`optimum`]: its minimum.
 //! - `covariance`, [`fitted`]: the results that follow from the minimum.
@@ -24,8 +24,8 @@ pub mod campaign;
 pub mod choice;
 mod compared;
 mod covariance;
+pub mod direction;
 pub mod error;
-pub mod facing;
 pub mod fitted;
 pub mod forward;
 pub mod goodness;

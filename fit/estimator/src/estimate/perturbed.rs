@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use tables::options::{Back, Element, Front, Losses};
 use tables::{Path, Table};
 
-use crate::estimate::facing::{Along, Facing};
+use crate::estimate::direction::{Along, ProjectedDirection};
 use crate::estimate::scene::{Aerial, Scene, group};
 
 /// Conditions under which a photograph was taken, as the manifest states them.
@@ -88,7 +88,7 @@ impl Aerial {
     pub fn conditions(&self) -> Conditions {
         Conditions {
             incidence_deg: self.incidence_deg,
-            azimuth_deg: self.facing.azimuth_deg,
+            azimuth_deg: self.direction.azimuth_deg,
             r_mm: self.r_mm,
             exposure: self.exposure,
             axis_turn_rad: self.axis_turn_rad,
@@ -151,7 +151,7 @@ impl Scene {
             view: Arc::clone(&shot.view),
             pixels: Arc::clone(&shot.pixels),
             warnings: shot.warnings.clone(),
-            facing: shot.facing.dark(&direction, conditions.azimuth_deg),
+            direction: shot.direction.dark(&direction, conditions.azimuth_deg),
         };
         if direction.retroreflected <= 0.0 {
             return Ok(moved);
@@ -163,7 +163,12 @@ impl Scene {
             spectrum: self.spectrum.as_ref(),
         };
         Ok(Aerial {
-            facing: Facing::new(&direction, conditions.azimuth_deg, refractive_index, along),
+            direction: ProjectedDirection::new(
+                &direction,
+                conditions.azimuth_deg,
+                refractive_index,
+                along,
+            ),
             ..moved
         })
     }

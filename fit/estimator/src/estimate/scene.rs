@@ -12,8 +12,8 @@ use tables::{Direction, Table};
 
 use crate::compare::Pixels;
 use crate::compare::View;
+use crate::estimate::direction::{Along, ProjectedDirection, Returned};
 use crate::estimate::error::Error;
-use crate::estimate::facing::{Along, Facing, Returned};
 use crate::estimate::optics::Optics;
 use crate::estimate::progress::{Progress, Step};
 use crate::estimate::reference;
@@ -56,11 +56,11 @@ pub struct Aerial {
     /// Warnings about the photograph, one sentence each.
     pub warnings: Vec<String>,
     /// Direction of the table for this photograph.
-    pub facing: Facing,
+    pub direction: ProjectedDirection,
     /// True if the camera saw the sheet in the half mirror.
     pub seen_in_mirror: bool,
     /// Angle by which the tangential axis lies further than the manifest says, from +x towards +y,
-    /// radians; 0 except in a [`Scene::perturbed`].
+    /// radians; 0 except in a scene of [`Scene::perturbed`].
     pub axis_turn_rad: f64,
     /// Samples of the photograph, if its model is evaluated by samples.
     pub sampled: Option<Sampled>,
@@ -77,7 +77,7 @@ impl Aerial {
 
     /// Returns the share of the light that returns before mu, as a kernel counts it.
     pub fn returned(&self, kernel: Kernel) -> Returned {
-        self.facing.returned_as(kernel)
+        self.direction.returned_as(kernel)
     }
 }
 
@@ -247,12 +247,12 @@ impl Scene {
     pub fn is_lit(&self) -> bool {
         self.shots
             .iter()
-            .all(|shot| shot.facing.returned.retroreflected > 0.0)
+            .all(|shot| shot.direction.returned.retroreflected > 0.0)
     }
 
     /// Returns the azimuths of all photographs, degrees; 0 for a photograph that needs none.
     pub fn azimuths_deg(&self) -> Vec<f64> {
-        let own = |shot: &Aerial| shot.facing.azimuth_deg.unwrap_or(0.0);
+        let own = |shot: &Aerial| shot.direction.azimuth_deg.unwrap_or(0.0);
         self.shots.iter().map(own).collect()
     }
 
@@ -261,7 +261,13 @@ impl Scene {
     /// # Errors
     /// Returns the [`wave::Fault`] of the first photograph without waves.
     pub fn waves(&self) -> Result<(), wave::Fault> {
-        let wave = |shot: &Aerial| shot.facing.wave.as_ref().map(|_| ()).map_err(Clone::clone);
+        let wave = |shot: &Aerial| {
+            shot.direction
+                .wave
+                .as_ref()
+                .map(|_| ())
+                .map_err(Clone::clone)
+        };
         self.shots.iter().try_for_each(wave)
     }
 
@@ -429,7 +435,7 @@ impl Measuring<'_> {
             view: Arc::new(view),
             pixels: Arc::new(pixels),
             warnings,
-            facing: Facing::new(&direction, capture.azimuth_deg, index, along),
+            direction: ProjectedDirection::new(&direction, capture.azimuth_deg, index, along),
             seen_in_mirror: setup.is_in_mirror(),
             axis_turn_rad: 0.0,
             sampled: None,

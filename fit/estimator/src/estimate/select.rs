@@ -107,7 +107,7 @@ impl Candidates {
         let hollow = scene
             .shots
             .iter()
-            .any(|shot| shot.facing.refractive_index <= 1.0);
+            .any(|shot| shot.direction.refractive_index <= 1.0);
         if hollow && candidates.kernels == [Kernel::Guo] {
             return Err(Error::Hollow(manifest.to_owned()));
         }

@@ -279,7 +279,7 @@ impl Doubts<'_> {
         };
         let value = equal(scene.shots.iter().map(|shot| Some(shot.incidence_deg)));
         all.push(self.either_way(UnverifiedInput::IncidenceDeg, value, steeper));
-        let azimuths = || scene.shots.iter().map(|shot| shot.facing.azimuth_deg);
+        let azimuths = || scene.shots.iter().map(|shot| shot.direction.azimuth_deg);
         // A mean over all azimuths has none, and one that was estimated is not taken on trust.
         if azimuths().any(|own| own.is_some()) && !self.doubted.azimuth_found {
             let turned = |by: f64| {

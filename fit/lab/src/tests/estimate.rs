@@ -57,8 +57,8 @@ fn model_equals_noise_free_photographs() {
                 let model = Model {
                     kernel,
                     shape,
-                    shift: shot.facing.shift.as_ref(),
-                    wave: shot.facing.wave.as_ref().ok(),
+                    shift: shot.direction.shift.as_ref(),
+                    wave: shot.direction.wave.as_ref().ok(),
                     baseline: None,
                     r_mm: shot.r_mm,
                     normal: shot.normal(),

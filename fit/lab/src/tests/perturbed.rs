@@ -41,14 +41,18 @@ fn apart(found: &Scene, expected: &Scene) -> f64 {
         assert_eq!(own.group, other.group);
         assert_eq!(own.conditions().r_mm, other.conditions().r_mm);
         assert_eq!(own.exposure, other.exposure);
-        assert_eq!(own.facing.refractive_index, other.facing.refractive_index);
-        worst = worst
-            .max((own.facing.returned.retroreflected - other.facing.returned.retroreflected).abs());
+        assert_eq!(
+            own.direction.refractive_index,
+            other.direction.refractive_index
+        );
+        worst = worst.max(
+            (own.direction.returned.retroreflected - other.direction.returned.retroreflected).abs(),
+        );
         for k in 0..2 {
             worst = worst.max((own.normal()[k] - other.normal()[k]).abs());
         }
         let otf = |shot: &Aerial, f| {
-            shot.facing
+            shot.direction
                 .shift
                 .as_ref()
                 .unwrap()
@@ -178,7 +182,7 @@ fn a_table_holds_the_shifts_of_other_indices() {
         let expected = taken(&planted, &stated, &of_other);
         let off = apart(&found, &expected);
         assert!(off < 1e-13, "{own} for {other}: {off}");
-        let eta = |scene: &Scene| scene.shots[2].facing.returned.retroreflected;
+        let eta = |scene: &Scene| scene.shots[2].direction.returned.retroreflected;
         least = least.min((eta(&found) - eta(&scene)).abs());
         cases += 1;
     }

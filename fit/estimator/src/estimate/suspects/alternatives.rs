@@ -256,7 +256,7 @@ impl Search<'_> {
         let steps = (period / AZIMUTH_STEP_DEG).round() as usize;
         for by in (1..steps).map(|step| step as f64 * AZIMUTH_STEP_DEG) {
             let conditions = |shot: &Aerial| Conditions {
-                azimuth_deg: shot.facing.azimuth_deg.map(|deg| deg + by),
+                azimuth_deg: shot.direction.azimuth_deg.map(|deg| deg + by),
                 ..shot.conditions()
             };
             let signed = if by > 0.5 * period { by - period } else { by };

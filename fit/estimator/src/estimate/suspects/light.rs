@@ -83,7 +83,7 @@ impl Search<'_> {
                     .of(own, is_own, conditions)
                     .filter(|&share| share > 0.0)?;
                 let value = mu[shot.group];
-                let share = shot.facing.returned.retroreflected;
+                let share = shot.direction.returned.retroreflected;
                 let ln = (value.value * share / other).ln();
                 groups.push((ln, value.standard_error / value.value));
             }
