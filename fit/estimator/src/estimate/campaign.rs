@@ -179,7 +179,7 @@ pub fn campaign(
         (azimuth, scene) = (Some(found), turned);
     }
     let (candidates, left_out) = candidates.possible(&scene, table, &campaign.file)?;
-    let Fitted {
+    let SceneFit {
         mut best,
         compared,
         bounds,
@@ -250,7 +250,7 @@ pub fn campaign(
 }
 
 /// Result of the fits of one scene.
-struct Fitted {
+struct SceneFit {
     best: Estimate,
     compared: Vec<Ranked>,
     bounds: Bounds,
@@ -272,7 +272,7 @@ fn fitted(
     candidates: &Candidates,
     options: &Options,
     progress: &Progress,
-) -> Result<Fitted, Error> {
+) -> Result<SceneFit, Error> {
     let kind = options.kind();
     // Terms and bounds are found in closed form and in units of the noise.
     let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
@@ -313,7 +313,7 @@ fn fitted(
         (best, telling, None)
     };
     best.raise(goodness.scales());
-    Ok(Fitted {
+    Ok(SceneFit {
         best,
         compared,
         bounds: found,

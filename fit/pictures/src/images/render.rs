@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use crate::images::render::psf::{LARGEST, Psf};
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
-use crate::images::render::view::{CameraView, Seen};
+use crate::images::render::view::{CameraView, PixelView};
 use rayon::prelude::*;
 
 use crate::images::progress::{Pieces, RenderProgress};
@@ -162,7 +162,7 @@ pub fn viewed(
     let size = [source.width, source.height];
     let seen = seen_by(view, source);
     let tiles = Tiles::new(size, tolerance, progress, |at| -> Result<Psf, Error> {
-        let Seen {
+        let PixelView {
             place,
             pixels_from_mm,
             ..
@@ -184,7 +184,7 @@ pub fn viewed(
 fn seen_by<'a>(
     view: &'a CameraView,
     source: &Picture,
-) -> impl Fn([f64; 2]) -> Result<Seen, Error> + Sync + use<'a> {
+) -> impl Fn([f64; 2]) -> Result<PixelView, Error> + Sync + use<'a> {
     let middle = middle(source);
     move |[x, y]| view.at([x - middle[0], y - middle[1]])
 }
@@ -213,7 +213,7 @@ fn coat(
         let rows = plane.par_chunks_exact_mut(source.width).enumerate();
         rows.try_for_each(|(y, row)| -> Result<(), Error> {
             for (x, value) in row.iter_mut().enumerate() {
-                let Seen {
+                let PixelView {
                     place, mirrored, ..
                 } = seen([x as f64, y as f64])?;
                 if let Some([column, row]) = mirrored {

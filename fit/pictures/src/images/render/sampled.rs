@@ -234,7 +234,7 @@ pub fn viewed(
     let one = |pixel: usize| -> Result<(Gathered, Spotted), Error> {
         tell(&rows, source, pixel);
         let at = [pixel % source.width, pixel / source.width].map(|v| v as f64);
-        let view::Seen {
+        let view::PixelView {
             place,
             pixels_from_mm,
             ..
