@@ -19,7 +19,7 @@ use crate::cli::output;
 use crate::cli::study::all::run_all;
 use crate::cli::study::mistaken::Mistaken;
 use crate::cli::study::written::{spreadsheet, table_of};
-use crate::cli::terms::{Terms, described};
+use crate::cli::terms::Terms;
 use crate::cli::{forward, sampled};
 use estimator::estimate::Forward;
 use estimator::estimate::Kind;
@@ -260,7 +260,7 @@ fn bounds(study: &Study) -> String {
         "model: {} (kernel {})\n\
          {} photographs, measured in {:.3} s\n\
          bound: least standard error that these pixels allow (Cramer-Rao), % of the estimate",
-        described(study.kernel),
+        study.kernel.description(),
         study.kernel.name(),
         study.photographs,
         study.seconds_to_measure

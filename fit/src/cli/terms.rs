@@ -103,23 +103,6 @@ pub(crate) enum SharedName {
     Auto,
 }
 
-/// Returns a kernel in words, for a reader who does not know its name.
-pub(crate) fn described(kernel: Kernel) -> &'static str {
-    match kernel {
-        Kernel::Eq1 => "blur by ray shift and by the diffraction lobe of Eq. (1)",
-        Kernel::Angular => "blur by ray shift and by a diffraction lobe of fixed angle, a = A/R",
-        Kernel::Shift => "blur by ray shift alone",
-        Kernel::Lobe => "blur by the diffraction lobe of Eq. (1) alone",
-        Kernel::Wave => "blur by ray shift and diffraction together, from wave optics",
-        Kernel::Saito => "blur by three rough facets behind a smooth front (Saito et al. 2024)",
-        Kernel::SaitoSurface => {
-            "blur by three rough facets behind a rough front (Saito et al. 2024)"
-        }
-        Kernel::Guo => "blur by a rough front (Guo et al. 2018)",
-        Kernel::Mrm => "blur by the lobe of a rough mirror (Portsmouth et al. 2026)",
-    }
-}
-
 fn kernels(text: &str) -> Result<Kernels, String> {
     if text == "auto" {
         return Ok(Kernels(Kernel::ALL.to_vec()));

@@ -121,7 +121,7 @@ impl Candidates {
             if candidates.kernels == [Kernel::Wave] {
                 return Err(Error::Wave(manifest.to_owned(), fault));
             }
-            candidates.kernels.retain(|&kernel| kernel != Kernel::Wave);
+            candidates.kernels.retain(|&kernel| !kernel.has_waves());
             if fault != wave::Fault::NoWavelength {
                 warnings.push(format!(
                     "the wave kernel is not among the candidates: {fault}"
@@ -132,7 +132,7 @@ impl Candidates {
             && candidates.kernels.len() > 1
             && wave::polarises(table)
         {
-            candidates.kernels.retain(|&kernel| kernel != Kernel::Wave);
+            candidates.kernels.retain(|&kernel| !kernel.has_waves());
             warnings.push(
                 "the wave kernel is not among the candidates: it is scalar, and the cubes of the \
                 table reflect totally (back tir), which turns the polarisation of light; bake a \

@@ -253,7 +253,7 @@ impl Doubts<'_> {
                 Some(self.of_mu(STEP)),
             ));
         }
-        if self.doubted.best.choice.kernel == Kernel::Wave {
+        if self.doubted.best.choice.kernel.has_waves() {
             // Waves depend on the product of wavelength and distance alone.
             let lines = scene.spectrum.iter().flat_map(|spectrum| spectrum.lines());
             let value = equal(lines.map(|line| Some(line.wavelength_nm)));
@@ -369,7 +369,7 @@ impl Doubts<'_> {
         let kernel = best.choice.kernel;
         let mut changes = self.none();
         match kernel {
-            _ if kernel == Kernel::Wave || kernel.is_baseline() || !sends_straight_back(table) => {
+            _ if kernel.has_waves() || kernel.is_baseline() || !sends_straight_back(table) => {
                 self.perturbed(None, |conditions| conditions.r_mm *= by)
             }
             Kernel::Angular => {

@@ -65,10 +65,10 @@ impl Model<'_> {
                 let (value, by_ln_c) = line.otf(c_mm, self.r_mm, frequency);
                 [value.into(), by_ln_c.into()]
             }
-            (kernel, ..) if kernel == Kernel::Wave || kernel.is_baseline() => {
+            (kernel, ..) if kernel.has_waves() || kernel.is_baseline() => {
                 [Complex64::from(f64::NAN); 2]
             }
-            (Kernel::Eq1 | Kernel::Angular | Kernel::Shift, _, Some(line)) => {
+            (kernel, _, Some(line)) if kernel.shifts_rays() => {
                 let (value, by_c) = line.otf(c_mm, self.r_mm, frequency);
                 [value, by_c * c_mm]
             }

@@ -248,8 +248,5 @@ impl Sampled {
 /// Returns whether samples can be drawn for a kernel. Waves interfere, so `wave` has no samples.
 /// For the baselines none are drawn.
 pub fn has_samples(kernel: Kernel) -> bool {
-    matches!(
-        kernel,
-        Kernel::Eq1 | Kernel::Angular | Kernel::Shift | Kernel::Lobe
-    )
+    !kernel.has_waves() && !kernel.is_baseline()
 }

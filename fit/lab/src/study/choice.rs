@@ -182,7 +182,7 @@ fn one_sided(params: &Params, planted: Choice, found: &Estimated) -> [Option<One
     let a = (truth.kernel == Kernel::Eq1 || truth.kernel == Kernel::Lobe)
         .then(|| truth.a.at(found.scene.groups[0]))
         .flatten();
-    let literal = truth.kernel != Kernel::Angular && truth.kernel != Kernel::Wave;
+    let literal = truth.kernel != Kernel::Angular && !truth.kernel.has_waves();
     let a_at_least = of(ParameterKind::APerMm)
         .filter(|_| literal && !planted.per_angle_a)
         .map(|found| OneSided {

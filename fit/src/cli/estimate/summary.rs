@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use tables::cli as terminal;
 
-use crate::cli::terms::described;
 use edges::names::{ParameterId, ParameterKind};
 use estimator::estimate::Bound;
 use estimator::estimate::unverified_in_words;
@@ -71,7 +70,7 @@ fn head(result: &ResultFile) -> String {
     format!(
         "model: {} (kernel {}{lobe})\n\
          fitted: {} photographs, table {}, loss {}{samples}; {} after {} evaluations, {:.2} s\n",
-        described(result.kernel),
+        result.kernel.description(),
         result.kernel.name(),
         result.captures.len(),
         terminal::in_a_line(&result.table.design),
