@@ -1,10 +1,9 @@
 //! `fit mtf`: measures the slanted-edge MTF of photographs.
 
-mod files;
 mod report;
 mod table;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
@@ -19,6 +18,7 @@ use crate::cli::{output, parse};
 use edges::photographs::Roi;
 use edges::photographs::edge::accepted::Accepted;
 use edges::photographs::photo::channel::{Channel, Decode};
+use edges::photographs::photo::format::{Format, extension, is_raw};
 use edges::photographs::photo::in_memory::InMemory;
 use edges::photographs::photo::transfer::Transfer;
 #[cfg(feature = "full")]
@@ -177,7 +177,7 @@ pub(super) fn measurement(
 /// several photographs, all others are measured and written first.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let request = arguments.request()?;
-    let images = files::photographs(&arguments.image)?;
+    let images = photographs(&arguments.image)?;
     let mut outputs = Outputs::beside(images.iter().map(PathBuf::as_path));
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     #[cfg(feature = "full")]
@@ -276,4 +276,55 @@ fn drawn(reports: &[&Report], request: &Request) -> String {
         })
         .collect();
     plot::measured(&shown, request.unit())
+}
+
+/// Returns all photographs: those that were named, and in place of a folder its pictures in the
+/// order of their names. Other files of a folder, and folders in it, are left out.
+///
+/// # Errors
+/// Returns [`Failure::Folder`] if a folder cannot be read or holds no picture.
+fn photographs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut all = Vec::new();
+    for path in named {
+        if path.is_dir() {
+            all.extend(pictures(path)?);
+        } else {
+            all.push(path.clone());
+        }
+    }
+    Ok(all)
+}
+
+fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let failure = |message: String| Failure::Folder {
+        folder: folder.to_owned(),
+        message,
+    };
+    let unreadable =
+        |error: std::io::Error| failure(format!("the folder cannot be read ({error})"));
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if is_picture(&path) && path.is_file() {
+            found.push(path);
+        }
+    }
+    if found.is_empty() {
+        let message = "the folder holds no picture (EXR, PNG, TIFF or JPEG)";
+        return Err(failure(message.into()));
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Returns whether the name is that of a picture. Hidden files are none.
+fn is_picture(path: &Path) -> bool {
+    let hidden = path
+        .file_name()
+        .is_some_and(|name| name.to_string_lossy().starts_with('.'));
+    let extension = extension(path);
+    let formats = [Format::Exr, Format::Png, Format::Tiff, Format::Jpeg];
+    let read = |format: &Format| format.extensions().contains(&extension.as_str());
+    let raw = cfg!(feature = "raw") && is_raw(&extension, &[]);
+    !hidden && (formats.iter().any(read) || raw)
 }

@@ -10,9 +10,9 @@
 use nalgebra::DMatrix;
 use tables::Table;
 
-use crate::estimate::choice::{Choice, Value};
 use crate::estimate::error::Error;
 use crate::estimate::fitted::estimate;
+use crate::estimate::layout::{Choice, Value};
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined};
 use crate::estimate::progress::{Progress, Step};

@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::choice::Choice;
 use crate::estimate::fitted::{Estimate, estimate};
+use crate::estimate::layout::Choice;
 use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{refined, rough, sum_of_squares_with, tolerance_for};
 use crate::estimate::scene::Scene;

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::compare::Weights;
-use crate::estimate::choice::Choice;
+use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::scene::Aerial;
 use crate::model::Baseline;

@@ -15,11 +15,11 @@ use serde::{Deserialize, Serialize};
 use tables::Table;
 
 use crate::compare::Weights;
-use crate::estimate::choice::Choice;
 use crate::estimate::compared::{Compared, compare};
 use crate::estimate::covariance::{contrasts, reflectances};
 use crate::estimate::error::Error;
 use crate::estimate::fitted::{Estimate, estimate};
+use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{Optimum, refined_to, rough};

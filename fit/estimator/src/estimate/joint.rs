@@ -5,9 +5,9 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 use rayon::prelude::*;
 
 use crate::compare::{Curves, FittedPhotograph, Photograph, Pixels, Remainder, are_uneven};
-use crate::estimate::choice::Choice;
 use crate::estimate::compared::model;
 use crate::estimate::covariance::{Covariances, Mu, Scatter};
+use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::optics::camera_of;
 use crate::estimate::scene::Scene;

@@ -7,7 +7,7 @@
 //!
 //! The files, from the lowest to the highest:
 //!
-//! - [`choice`]: the parameters of a candidate. [`layout`]: their order in a vector.
+//! - [`layout`]: the parameters of a candidate, and their order in a vector.
 //! - [`direction`], [`scene`], `perturbed`: photographs with their directions. `compared`: their
 //!   models.
 //! - `joint`, [`loss`]: the function that is minimised. [`start`], [`optimum`]: its minimum.
@@ -21,7 +21,6 @@
 mod azimuth;
 pub mod bound;
 pub mod campaign;
-pub mod choice;
 mod compared;
 mod covariance;
 pub mod direction;
@@ -51,7 +50,6 @@ pub use bound::Bound;
 pub(crate) use bound::Bounds;
 pub use bound::{absent, bounds};
 pub use campaign::{Estimated, Options};
-pub use choice::{Choice, Value};
 pub use compared::curve;
 pub use compared::{compare, model};
 pub use error::Conflict;
@@ -64,7 +62,7 @@ pub use forward::Renders;
 pub use goodness::of as goodness;
 pub use goodness::{Chances, Goodness, Verdict, Worst};
 pub use joint::{Joint, Used};
-pub use layout::Layout;
+pub use layout::{Choice, Layout, Value};
 pub use loss::Kind;
 pub use loss::Loss;
 pub use optimum::Optimum;

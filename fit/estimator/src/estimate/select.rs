@@ -15,9 +15,9 @@ use std::path::Path;
 use nalgebra::{DMatrix, DVector};
 use tables::Table;
 
-use crate::estimate::choice::Choice;
 use crate::estimate::error::{Conflict, Error};
 use crate::estimate::fitted::{Estimate, estimate};
+use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, refined, rough, rough_from, unrefined, widened};

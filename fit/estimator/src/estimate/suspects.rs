@@ -19,9 +19,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tables::Table;
 
-use crate::estimate::choice::Choice;
 use crate::estimate::fitted::Estimate;
 use crate::estimate::goodness::{Goodness, Verdict};
+use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined_to, rough_from};

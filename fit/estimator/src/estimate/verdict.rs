@@ -1,9 +1,9 @@
 //! Warnings about an estimate.
 
 use crate::estimate::azimuth::Azimuth;
-use crate::estimate::choice::Value;
 use crate::estimate::fitted::Estimate;
 use crate::estimate::goodness::{Goodness, Verdict};
+use crate::estimate::layout::Value;
 use crate::estimate::scene::Scene;
 use crate::estimate::select::Ranked;
 use crate::estimate::suspects::Suspect;

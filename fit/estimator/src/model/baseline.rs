@@ -30,7 +30,7 @@
 
 use num_complex::Complex64;
 
-use crate::model::blur::Blur;
+use crate::model::edge::Blur;
 use crate::model::lobe::Lobe;
 use edges::names::Kernel;
 use edges::names::LobeShape;

@@ -4,12 +4,22 @@
 use num_complex::Complex64;
 
 use crate::model::baseline::Baseline;
-use crate::model::blur::Blur;
 use crate::model::lobe::Lobe;
 use edges::names::Kernel;
 use edges::names::LobeShape;
 use tables::ShiftLine;
 use tables::WaveLine;
+
+/// Numbers of the blur at one incidence, which a fit varies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blur {
+    /// Spread: a in 1/mm (eq1, lobe), A = a R (angular), or the roughness of a baseline. `shift`
+    /// and `wave` ignore it.
+    pub spread: f64,
+    /// Corner size c, mm, or the roughness of the front (saito-surface). `lobe` and the other
+    /// baselines ignore it.
+    pub c_mm: f64,
+}
 
 /// Profile of a model over the bins, with its derivatives by the natural logarithms of spread and
 /// c.

@@ -6,7 +6,6 @@
 //! widths of its bins. It may touch `names`, `numerics` and `photographs`.
 
 pub mod baseline;
-mod blur;
 mod camera;
 mod edge;
 mod exits;
@@ -16,9 +15,8 @@ pub mod wave;
 
 pub use baseline::Baseline;
 pub use baseline::{fresnel, returned};
-pub use blur::Blur;
 pub use camera::{Camera, Lens};
-pub use edge::{Curve, Model};
+pub use edge::{Blur, Curve, Model};
 pub(crate) use exits::ExitBins;
 pub use lobe::{CUT, Lobe, microfacet};
 pub(crate) use spread::{Even, Grid};

@@ -2,7 +2,7 @@
 
 use crate::planted::{SHARED, camera, fitted, params, scene, table, truth};
 use edges::names::{Kernel, LobeShape};
-use estimator::estimate::choice::Choice;
+use estimator::estimate::layout::Choice;
 use estimator::estimate::loss::Kind;
 use estimator::estimate::select::*;
 

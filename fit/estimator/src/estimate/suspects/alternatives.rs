@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::estimate::choice::Choice;
+use crate::estimate::layout::Choice;
 use crate::estimate::perturbed::{Conditions, OtherIndex};
 use crate::estimate::progress::Progress;
 use crate::estimate::scene::{Aerial, Scene};
