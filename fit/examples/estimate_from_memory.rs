@@ -11,8 +11,8 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use fit::{
-    Campaign, Candidates, Capture, Decode, LobeShape, Options, Photo, ResultFile, Setup, Shot,
-    Step, TableResult, Watch, estimate_campaign, load_photo,
+    Campaign, Candidates, Capture, Decode, LobeShape, Options, Photo, Progress, ResultFile, Setup,
+    Shot, Step, TableResult, estimate_campaign, load_photo,
 };
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
@@ -67,9 +67,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Another thread may set this flag. Then the estimate ends after its next step.
     let cancel = AtomicBool::new(false);
-    let progress = |step: Step| eprintln!("{step:?}");
-    let watch = Watch {
-        progress: Some(&progress),
+    let report = |step: Step| eprintln!("{step:?}");
+    let progress = Progress {
+        report: Some(&report),
         cancel: Some(&cancel),
     };
     // The map holds every photograph that the campaign names.
@@ -79,7 +79,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         shapes: vec![LobeShape::Separable],
         ..Candidates::proposed()
     });
-    let found = estimate_campaign(&campaign(), &photo, &table, &options, &watch)?;
+    let found = estimate_campaign(&campaign(), &photo, &table, &options, &progress)?;
     for warning in &found.warnings {
         eprintln!("warning: {warning}");
     }

@@ -32,7 +32,7 @@
 //!
 //! # Estimate a sheet
 //! ```
-//! use fit::{Candidates, Kernel, LobeShape, Options, Shot, Watch};
+//! use fit::{Candidates, Kernel, LobeShape, Options, Shot, Progress};
 //! use fit::{estimate_campaign, load_campaign};
 //!
 //! let mut campaign = load_campaign("../tests/captures/public_shared/captures.toml".as_ref())?;
@@ -46,7 +46,7 @@
 //!     ..Candidates::proposed()
 //! });
 //! // Here the photographs come from their files. Any other function of a `Shot` can supply them.
-//! let found = estimate_campaign(&campaign, &Shot::load, &table, &options, &Watch::NOBODY)?;
+//! let found = estimate_campaign(&campaign, &Shot::load, &table, &options, &Progress::SILENT)?;
 //! let c = found.best.c_mm.expect("the kernel has a corner size");
 //! println!("c = {:.4} +- {:.4} mm", c.value, c.standard_error);
 //! // The photographs were made with c = 0.33 mm.
@@ -76,7 +76,7 @@ pub use edges::photographs::captures::load as load_campaign;
 pub use edges::photographs::measure::edge as measure_edge;
 pub use edges::photographs::photo::channel::Decode;
 pub use edges::photographs::photo::exif::Settings;
-pub use edges::photographs::photo::held::Held;
+pub use edges::photographs::photo::in_memory::InMemory;
 pub use edges::photographs::photo::load as load_photo;
 pub use edges::photographs::photo::load_colour;
 pub use edges::photographs::photo::picture::{Picture, Writing};
@@ -93,10 +93,10 @@ pub use estimator::estimate::Kind as LossKind;
 pub use estimator::estimate::campaign::campaign as estimate_campaign;
 pub use estimator::estimate::{Chances, Goodness, Verdict, Worst};
 pub use estimator::estimate::{Choice, Value};
-pub use estimator::estimate::{Effect, Given, Trusted};
+pub use estimator::estimate::{Effect, Unverified, UnverifiedInput};
 pub use estimator::estimate::{Estimated, Options};
 pub use estimator::estimate::{OtherTable, Suspect};
-pub use estimator::estimate::{Step, Watch};
+pub use estimator::estimate::{Progress, Step};
 pub use estimator::predict::{Places, Prediction, predict as predict_mtf};
 pub use estimator::result::ResultFile;
 pub use estimator::result::TableResult;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use fit::Held;
+use fit::InMemory;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
@@ -14,7 +14,7 @@ use crate::refusal;
 pub(crate) type Given<'py> = (PathBuf, PyReadonlyArray3<'py, f32>, bool);
 
 /// Copies a picture.
-pub(crate) fn held((name, planes, of_integers): Given) -> PyResult<Held> {
+pub(crate) fn held((name, planes, of_integers): Given) -> PyResult<InMemory> {
     let view = planes.as_array();
     let (count, height, width) = view.dim();
     if !matches!(count, 1 | 3) || width == 0 || height == 0 {
@@ -24,7 +24,7 @@ pub(crate) fn held((name, planes, of_integers): Given) -> PyResult<Held> {
             name.display()
         )));
     }
-    Ok(Held {
+    Ok(InMemory {
         name,
         width,
         height,

@@ -183,7 +183,7 @@ pub fn truth(kernel: Kernel, lobe: LobeShape, a: f64, c_mm: f64, mu: f64) -> Pla
     PlantedSheet {
         kernel,
         lobe,
-        spectrum: (kernel == Kernel::Wave).then(|| Spectrum::parse("550").expect("one line")),
+        spectrum: (kernel.has_waves()).then(|| Spectrum::parse("550").expect("one line")),
         refractive_index: 1.49,
         pair: true,
         a: ByIncidence::Shared(a),

@@ -19,12 +19,12 @@ use crate::cli::estimate::{Estimation, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::host::Host;
 use crate::cli::{estimate, explore, mtf, output, parse, predict, render, simulate, study};
-use edges::photographs::photo::held::Held;
+use edges::photographs::photo::in_memory::InMemory;
 use edges::photographs::photo::picture::Picture;
 use estimator::estimate::{OtherTable, error};
 use estimator::predict::Fitted;
 use estimator::result::{Nominal, ResultFile};
-use pictures::images::UNWATCHED;
+use pictures::images::SILENT;
 
 pub use crate::cli::host::Caller;
 pub use tables::cli::Refused;
@@ -50,7 +50,7 @@ pub struct Campaign {
     /// Text of the manifest, as of a file captures.toml.
     pub manifest: String,
     /// Photographs that it names.
-    pub photographs: Vec<Held>,
+    pub photographs: Vec<InMemory>,
 }
 
 /// Measures the edge of one photograph, as `fit mtf --json` does.
@@ -58,7 +58,7 @@ pub struct Campaign {
 /// # Errors
 /// Returns [`Refused`] if the words cannot be used, if the photograph cannot be read or if it holds
 /// no edge.
-pub fn measure(words: &[OsString], held: Option<&Held>) -> Result<String, Refused> {
+pub fn measure(words: &[OsString], held: Option<&InMemory>) -> Result<String, Refused> {
     Ok(mtf::measurement(&parsed(words)?, held)?)
 }
 
@@ -104,7 +104,7 @@ pub fn estimate(
     let inputs = estimate::Inputs {
         held: held.map(|held| {
             let named = held.photographs.into_iter();
-            let photographs: HashMap<PathBuf, Held> =
+            let photographs: HashMap<PathBuf, InMemory> =
                 named.map(|held| (held.name.clone(), held)).collect();
             (held.manifest, photographs)
         }),
@@ -181,7 +181,7 @@ pub fn render(
     words: &[OsString],
     result: &ResultFile,
     table: &Table,
-    source: Held,
+    source: InMemory,
 ) -> Result<(Picture, String), Refused> {
     let arguments: render::Arguments = parsed(words)?;
     let source = source
@@ -189,8 +189,7 @@ pub fn render(
         .map_err(Failure::from)?;
     let sheet = Fitted::new(result, table).map_err(Failure::from)?;
     let pool = terminal::pool(arguments.threads).map_err(Failure::from)?;
-    let (image, facts) =
-        pool.install(|| render::rendered(&arguments, &sheet, &source, UNWATCHED))?;
+    let (image, facts) = pool.install(|| render::rendered(&arguments, &sheet, &source, SILENT))?;
     Ok((image, output::json(&facts)))
 }
 
@@ -203,7 +202,7 @@ pub fn explore(
     words: &[OsString],
     result: &ResultFile,
     table: &Table,
-    source: Option<Held>,
+    source: Option<InMemory>,
 ) -> Result<(String, String), Refused> {
     let arguments: explore::Arguments = parsed(words)?;
     let picture = source.map(|held| held.into_picture(arguments.transfer));

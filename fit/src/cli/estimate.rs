@@ -17,7 +17,7 @@ use crate::cli::failure::Failure;
 use crate::cli::host::Caller;
 use crate::cli::output;
 use crate::cli::parse;
-use crate::cli::progress::Progress;
+use crate::cli::progress::Bar;
 use crate::cli::sampled;
 use crate::cli::sampled::Samples;
 use crate::cli::terms::Terms;
@@ -25,12 +25,12 @@ use edges::names::Family;
 use edges::names::Spectrum;
 use edges::photographs::captures;
 use edges::photographs::photo::channel::Channel;
-use edges::photographs::photo::held::Held;
+use edges::photographs::photo::in_memory::InMemory;
 use edges::photographs::{Campaign, Shot};
 use estimator::estimate::Forward;
 use estimator::estimate::Kind;
 use estimator::estimate::OtherTable;
-use estimator::estimate::Watch;
+use estimator::estimate::Progress;
 use estimator::estimate::campaign::campaign;
 use estimator::estimate::error;
 use estimator::estimate::scene::Source;
@@ -311,7 +311,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Inputs of an estimate that another program calls.
 pub(super) struct Inputs<'a> {
     /// Text of the manifest, and the photographs that it names; `None` if both are files.
-    pub(super) held: Option<(String, HashMap<PathBuf, Held>)>,
+    pub(super) held: Option<(String, HashMap<PathBuf, InMemory>)>,
     /// Table of the sheet.
     pub(super) table: &'a Arc<Table>,
     /// Further tables.
@@ -373,8 +373,8 @@ pub(super) fn called(
         Some(held) => shot.held(held),
         None => shot.load(),
     };
-    let watch = Watch {
-        progress: Some(&|step| caller.show(step)),
+    let progress = Progress {
+        report: Some(&|step| caller.show(step)),
         cancel: Some(caller.stop),
     };
     let job = Job {
@@ -383,7 +383,7 @@ pub(super) fn called(
         table: inputs.table,
     };
     let pool = terminal::pool(arguments.threads)?;
-    let made = pool.install(|| job.watched(&supply, &options, start, &watch));
+    let made = pool.install(|| job.reported(&supply, &options, start, &progress));
     let (estimated, result) = made?;
     Ok(Estimation {
         estimated,
@@ -413,26 +413,26 @@ struct Job<'a> {
 impl Job<'_> {
     /// Makes one estimate, and the result that is written of it.
     fn run(&self, options: &Options, start: Instant) -> Result<(Estimated, ResultFile), Failure> {
-        let progress = Progress::of_steps();
-        let watch = Watch {
-            progress: Some(&|step| progress.show(step)),
+        let bar = Bar::of_steps();
+        let progress = Progress {
+            report: Some(&|step| bar.show(step)),
             cancel: None,
         };
-        let made = self.watched(&Shot::load, options, start, &watch);
-        progress.done();
+        let made = self.reported(&Shot::load, options, start, &progress);
+        bar.done();
         made
     }
 
     /// Makes one estimate of the photographs that `photo` supplies.
-    fn watched(
+    fn reported(
         &self,
         photo: &Source,
         options: &Options,
         start: Instant,
-        watch: &Watch,
+        progress: &Progress,
     ) -> Result<(Estimated, ResultFile), Failure> {
         let table = self.table;
-        let estimated = campaign(self.campaign, photo, table, options, watch);
+        let estimated = campaign(self.campaign, photo, table, options, progress);
         let estimated = estimated.map_err(|error| match error {
             error::Error::OneAzimuth(held) => Failure::OneAzimuth {
                 table: self.arguments.first_table().to_owned(),

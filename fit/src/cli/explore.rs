@@ -12,7 +12,7 @@ use crate::cli::estimate::read_channel;
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
-use crate::cli::progress::Progress;
+use crate::cli::progress::Bar;
 use crate::cli::render::spacious;
 use edges::photographs::photo;
 use edges::photographs::photo::picture::Picture;
@@ -212,7 +212,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(file) => Some((file, photo::load_colour(file, arguments.transfer)?)),
     };
     let source = picture.as_ref().map(|(file, own)| (file.as_path(), own));
-    let progress = Progress::of_grids();
+    let progress = Bar::of_grids();
     let made = made(arguments, sheet, title, source, &|_| progress.step());
     progress.done();
     let made = made?;

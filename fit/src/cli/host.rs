@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::cli::failure::Failure;
-use crate::cli::progress::Progress;
+use crate::cli::progress::Bar;
 use estimator::estimate::Step;
 
 /// Program that calls a verb in its own process.
@@ -47,7 +47,7 @@ impl Host<'_> {
     ) -> Result<T, Failure> {
         match self {
             Host::Terminal => {
-                let progress = Progress::of(campaigns);
+                let progress = Bar::of(campaigns);
                 let made = all(&|| {
                     progress.step();
                     true

@@ -1,10 +1,9 @@
 //! `fit mtf`: measures the slanted-edge MTF of photographs.
 
-mod files;
 mod report;
 mod table;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
@@ -14,12 +13,13 @@ use tables::cli as terminal;
 use crate::cli::failure::Failure;
 use crate::cli::mtf::report::{Report, Request, measured};
 use crate::cli::mtf::table::{Entry, Photographs};
-use crate::cli::progress::Progress;
+use crate::cli::progress::Bar;
 use crate::cli::{output, parse};
 use edges::photographs::Roi;
 use edges::photographs::edge::accepted::Accepted;
 use edges::photographs::photo::channel::{Channel, Decode};
-use edges::photographs::photo::held::Held;
+use edges::photographs::photo::format::{Format, extension, is_raw};
+use edges::photographs::photo::in_memory::InMemory;
 use edges::photographs::photo::transfer::Transfer;
 #[cfg(feature = "full")]
 use pictures::report::plot;
@@ -149,7 +149,10 @@ impl Arguments {
 ///
 /// # Errors
 /// Fails if the photograph cannot be read or holds no edge.
-pub(super) fn measurement(arguments: &Arguments, held: Option<&Held>) -> Result<String, Failure> {
+pub(super) fn measurement(
+    arguments: &Arguments,
+    held: Option<&InMemory>,
+) -> Result<String, Failure> {
     let request = arguments.request()?;
     let report = match (held, &arguments.image[..]) {
         (Some(held), _) => {
@@ -174,7 +177,7 @@ pub(super) fn measurement(arguments: &Arguments, held: Option<&Held>) -> Result<
 /// several photographs, all others are measured and written first.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let request = arguments.request()?;
-    let images = files::photographs(&arguments.image)?;
+    let images = photographs(&arguments.image)?;
     let mut outputs = Outputs::beside(images.iter().map(PathBuf::as_path));
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     #[cfg(feature = "full")]
@@ -223,7 +226,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Measures all photographs, in parallel, and prints the warnings and refusals in their order.
 fn all(images: &[PathBuf], request: &Request) -> Vec<Entry> {
-    let (progress, done) = (Progress::of_steps(), AtomicUsize::new(0));
+    let (progress, done) = (Bar::of_steps(), AtomicUsize::new(0));
     let one = |image: &PathBuf| {
         let found = measured(image, request);
         let done = 1 + done.fetch_add(1, Ordering::Relaxed);
@@ -273,4 +276,55 @@ fn drawn(reports: &[&Report], request: &Request) -> String {
         })
         .collect();
     plot::measured(&shown, request.unit())
+}
+
+/// Returns all photographs: those that were named, and in place of a folder its pictures in the
+/// order of their names. Other files of a folder, and folders in it, are left out.
+///
+/// # Errors
+/// Returns [`Failure::Folder`] if a folder cannot be read or holds no picture.
+fn photographs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut all = Vec::new();
+    for path in named {
+        if path.is_dir() {
+            all.extend(pictures(path)?);
+        } else {
+            all.push(path.clone());
+        }
+    }
+    Ok(all)
+}
+
+fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let failure = |message: String| Failure::Folder {
+        folder: folder.to_owned(),
+        message,
+    };
+    let unreadable =
+        |error: std::io::Error| failure(format!("the folder cannot be read ({error})"));
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if is_picture(&path) && path.is_file() {
+            found.push(path);
+        }
+    }
+    if found.is_empty() {
+        let message = "the folder holds no picture (EXR, PNG, TIFF or JPEG)";
+        return Err(failure(message.into()));
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Returns whether the name is that of a picture. Hidden files are none.
+fn is_picture(path: &Path) -> bool {
+    let hidden = path
+        .file_name()
+        .is_some_and(|name| name.to_string_lossy().starts_with('.'));
+    let extension = extension(path);
+    let formats = [Format::Exr, Format::Png, Format::Tiff, Format::Jpeg];
+    let read = |format: &Format| format.extensions().contains(&extension.as_str());
+    let raw = cfg!(feature = "raw") && is_raw(&extension, &[]);
+    !hidden && (formats.iter().any(read) || raw)
 }

@@ -9,36 +9,36 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use estimator::estimate::Step;
 
 /// Progress bar on standard error if that is a terminal.
-pub(crate) struct Progress {
+pub(crate) struct Bar {
     #[cfg(feature = "full")]
     bar: ProgressBar,
 }
 
-impl Progress {
+impl Bar {
     /// Shows a bar for this many campaigns, none of them done.
     #[cfg(feature = "full")]
-    pub(crate) fn of(campaigns: u64) -> Progress {
-        Progress::with(
+    pub(crate) fn of(campaigns: u64) -> Bar {
+        Bar::with(
             campaigns,
             "{bar:40} {pos}/{len} campaigns, {rate}, {eta} left",
         )
     }
 
-    /// Shows a bar for the steps of an estimate or a render, see [`Progress::show`] and
-    /// [`Progress::part`].
+    /// Shows a bar for the steps of an estimate or a render, see [`Bar::show`] and
+    /// [`Bar::part`].
     #[cfg(feature = "full")]
-    pub(crate) fn of_steps() -> Progress {
-        Progress::with(0, "{bar:40} {pos}/{len} {msg}, {rate}, {eta} left")
+    pub(crate) fn of_steps() -> Bar {
+        Bar::with(0, "{bar:40} {pos}/{len} {msg}, {rate}, {eta} left")
     }
 
     /// Shows how many grids of a page have been tried, and for how long.
     #[cfg(feature = "full")]
-    pub(crate) fn of_grids() -> Progress {
-        Progress::with(0, "{spinner} grid {pos} tried, {elapsed}")
+    pub(crate) fn of_grids() -> Bar {
+        Bar::with(0, "{spinner} grid {pos} tried, {elapsed}")
     }
 
     #[cfg(feature = "full")]
-    fn with(length: u64, template: &str) -> Progress {
+    fn with(length: u64, template: &str) -> Bar {
         let bar = ProgressBar::new(length);
         if !std::io::stderr().is_terminal() {
             bar.set_draw_target(ProgressDrawTarget::hidden());
@@ -46,19 +46,19 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.with_key("rate", rate));
         }
-        Progress { bar }
+        Bar { bar }
     }
 
     /// Shows nothing.
     #[cfg(not(feature = "full"))]
-    pub(crate) fn of(_: u64) -> Progress {
-        Progress {}
+    pub(crate) fn of(_: u64) -> Bar {
+        Bar {}
     }
 
     /// Shows nothing.
     #[cfg(not(feature = "full"))]
-    pub(crate) fn of_steps() -> Progress {
-        Progress {}
+    pub(crate) fn of_steps() -> Bar {
+        Bar {}
     }
 
     /// Shows a step of an estimate that is done. Each kind of step has a bar of its own.

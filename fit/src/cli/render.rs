@@ -1,8 +1,8 @@
 //! `fit render`: makes the mid-air image of any picture.
 
 mod facts;
+mod image;
 mod remarks;
-mod seen;
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -16,11 +16,11 @@ use crate::cli::estimate::{check_model, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
-use crate::cli::progress::Progress;
+use crate::cli::progress::Bar;
 use crate::cli::render::facts::{Contrast, Report, Seconds, range};
+use crate::cli::render::image::{Method, Rendered, from_afar, from_afar_reduced, from_camera};
 pub(crate) use crate::cli::render::remarks::spacious;
 use crate::cli::render::remarks::{beyond_the_rim, clipped, of_image, of_reduced};
-use crate::cli::render::seen::{Seen, Way, from_afar, from_afar_reduced, from_camera};
 use crate::cli::sampled::Samples;
 use edges::names::Family;
 use edges::photographs::photo;
@@ -31,7 +31,7 @@ use estimator::predict::{Fitted, remarks};
 use estimator::result::ResultFile;
 use pictures::images::render;
 use pictures::images::render::view::CameraView;
-use pictures::images::{Part, Scale, Viewpoint, Watch, automatic};
+use pictures::images::{RenderProgress, RenderStep, Scale, Viewpoint, automatic};
 
 /// Renders the mid-air image of a picture: blurred and dimmed by the fitted sheet.
 #[derive(Debug, clap::Args)]
@@ -295,8 +295,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sheet = Fitted::new(&result, &table)?;
     let read = started.elapsed().as_secs_f64();
 
-    let progress = Progress::of_steps();
-    let show = |part: Part| progress.part(part.what, part.done, part.of);
+    let progress = Bar::of_steps();
+    let show = |part: RenderStep| progress.part(part.what, part.done, part.of);
     let made = pool.install(|| rendered(arguments, &sheet, &source, &show));
     progress.done();
     let (image, mut report) = made?;
@@ -366,16 +366,16 @@ fn looked(
     sheet: &Fitted<'_>,
     source: &Picture,
     view: Option<&CameraView>,
-    watch: Watch<'_>,
-) -> Result<(Seen, Option<Picture>, f64), render::Error> {
-    let way = Way {
+    progress: RenderProgress<'_>,
+) -> Result<(Rendered, Option<Picture>, f64), render::Error> {
+    let method = Method {
         forward: arguments.forward,
         sampling: arguments.samples.sampling(),
-        watch,
+        progress,
     };
     if let Some(view) = view {
-        let seen = from_camera(source, sheet, view, arguments.tolerance, &way)?;
-        return Ok((seen, None, view.pitch_mm()));
+        let rendered = from_camera(source, sheet, view, arguments.tolerance, &method)?;
+        return Ok((rendered, None, view.pitch_mm()));
     }
     let pitch = arguments.pitch_mm(source.width);
     let scale = Scale {
@@ -385,10 +385,10 @@ fn looked(
     };
     let place = arguments.place(sheet);
     match arguments.width {
-        Some(_) => from_afar_reduced(source, sheet, place, &scale, &way),
+        Some(_) => from_afar_reduced(source, sheet, place, &scale, &method),
         None => {
-            let seen = from_afar(source, sheet, place, &scale, &way)?;
-            Ok((seen, None, scale.pitch_mm))
+            let rendered = from_afar(source, sheet, place, &scale, &method)?;
+            Ok((rendered, None, scale.pitch_mm))
         }
     }
 }
@@ -402,17 +402,17 @@ pub(super) fn rendered(
     arguments: &Arguments,
     sheet: &Fitted<'_>,
     source: &Picture,
-    watch: Watch<'_>,
+    progress: RenderProgress<'_>,
 ) -> Result<(Picture, Report), Failure> {
     let (result, table) = (sheet.result, sheet.table);
     let view = arguments.view.as_deref().map(CameraView::load).transpose();
     let view = view.map_err(render::Error::from)?;
     let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
-    let looked = looked(arguments, sheet, source, view.as_ref(), watch)?;
-    let (seen, reduced, pitch_mm) = looked;
-    let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
+    let looked = looked(arguments, sheet, source, view.as_ref(), progress)?;
+    let (rendered, reduced, pitch_mm) = looked;
+    let places: Vec<Viewpoint> = rendered.spots.iter().map(|spot| spot.place).collect();
     let mut warnings = remarks(result, table, &places)?;
-    warnings.extend(of_image(source, &seen, sheet));
+    warnings.extend(of_image(source, &rendered, sheet));
     warnings.extend(
         reduced
             .as_ref()
@@ -421,8 +421,8 @@ pub(super) fn rendered(
     let source = reduced.as_ref().unwrap_or(source);
     let width_mm = source.width as f64 * pitch_mm;
     warnings.extend((arguments.distance).and_then(|distance| spacious(width_mm, distance)));
-    warnings.extend(beyond_the_rim(source, &seen));
-    let mut image = seen.image;
+    warnings.extend(beyond_the_rim(source, &rendered));
+    let mut image = rendered.image;
     let contrast = (ambient > 0.0).then(|| Contrast {
         mean: image.mean_luminance() / ambient,
         peak: image.peak_luminance() / ambient,
@@ -438,7 +438,7 @@ pub(super) fn rendered(
         false => image,
     };
 
-    let spots = &seen.spots;
+    let spots = &rendered.spots;
     let report = Report {
         width: image.width,
         height: image.height,
@@ -453,9 +453,9 @@ pub(super) fn rendered(
         seen_in_mirror: (view.as_ref()).map_or(arguments.seen_in_mirror, CameraView::is_in_mirror),
         energy: (spots.iter().all(|spot| spot.energy.is_some()))
             .then(|| range(spots, |spot| spot.energy.unwrap_or(1.0))),
-        transfer_error: seen.transfer_error,
-        tiles: seen.tiles,
-        sampling_error: seen.sampling_error,
+        transfer_error: rendered.transfer_error,
+        tiles: rendered.tiles,
+        sampling_error: rendered.sampling_error,
         contrast,
         seconds: None,
         warnings,

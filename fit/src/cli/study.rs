@@ -19,12 +19,12 @@ use crate::cli::output;
 use crate::cli::study::all::run_all;
 use crate::cli::study::mistaken::Mistaken;
 use crate::cli::study::written::{spreadsheet, table_of};
-use crate::cli::terms::{Terms, described};
+use crate::cli::terms::Terms;
 use crate::cli::{forward, sampled};
 use estimator::estimate::Forward;
 use estimator::estimate::Kind;
+use estimator::estimate::Progress;
 use estimator::estimate::Scene;
-use estimator::estimate::Watch;
 use estimator::estimate::select::select;
 use lab::study::Ranges;
 use lab::study::Summary;
@@ -235,7 +235,7 @@ fn rendered(
     let table = expected.read(&arguments.table)?;
     let speed = pool.install(|| -> Result<Speed, Failure> {
         let scene = Scene::load(&campaign, &table)?;
-        let choice = select(&scene, Kind::Mtf, &open, &Watch::NOBODY)?
+        let choice = select(&scene, Kind::Mtf, &open, &Progress::SILENT)?
             .best
             .choice;
         let samplings = arguments.forward.samplings(arguments.seed);
@@ -260,7 +260,7 @@ fn bounds(study: &Study) -> String {
         "model: {} (kernel {})\n\
          {} photographs, measured in {:.3} s\n\
          bound: least standard error that these pixels allow (Cramer-Rao), % of the estimate",
-        described(study.kernel),
+        study.kernel.description(),
         study.kernel.name(),
         study.photographs,
         study.seconds_to_measure

@@ -31,11 +31,18 @@ pub(crate) struct Terms {
         verbatim_doc_comment
     )]
     pub kernel: Kernels,
-    /// Shape of the lobe: radial, separable or auto; radial if left out.
-    ///
-    /// auto compares both shapes. The lobe of a baseline is beckmann, ggx or auto, and auto if you
-    /// leave this option out.
-    #[arg(long, value_parser = lobes, help_heading = "Model")]
+    #[arg(
+        long,
+        value_parser = lobes,
+        help_heading = "Model",
+        help = shape_of_the_lobe(),
+        long_help = format!(
+            "{}.\n\nauto compares {}. The lobe of a baseline is beckmann, ggx or \
+            auto, and auto if you leave this option out.",
+            shape_of_the_lobe(),
+            LobeShape::COMPARED.map(LobeShape::name).join(" and "),
+        )
+    )]
     pub lobe: Option<Lobes>,
     /// Parameters with one value per incidence.
     ///
@@ -96,23 +103,6 @@ pub(crate) enum SharedName {
     Auto,
 }
 
-/// Returns a kernel in words, for a reader who does not know its name.
-pub(crate) fn described(kernel: Kernel) -> &'static str {
-    match kernel {
-        Kernel::Eq1 => "blur by ray shift and by the diffraction lobe of Eq. (1)",
-        Kernel::Angular => "blur by ray shift and by a diffraction lobe of fixed angle, a = A/R",
-        Kernel::Shift => "blur by ray shift alone",
-        Kernel::Lobe => "blur by the diffraction lobe of Eq. (1) alone",
-        Kernel::Wave => "blur by ray shift and diffraction together, from wave optics",
-        Kernel::Saito => "blur by three rough facets behind a smooth front (Saito et al. 2024)",
-        Kernel::SaitoSurface => {
-            "blur by three rough facets behind a rough front (Saito et al. 2024)"
-        }
-        Kernel::Guo => "blur by a rough front (Guo et al. 2018)",
-        Kernel::Mrm => "blur by the lobe of a rough mirror (Portsmouth et al. 2026)",
-    }
-}
-
 fn kernels(text: &str) -> Result<Kernels, String> {
     if text == "auto" {
         return Ok(Kernels(Kernel::ALL.to_vec()));
@@ -127,9 +117,19 @@ fn lobes(text: &str) -> Result<Lobes, String> {
     }
     let mut all = LobeShape::ALL.into_iter().chain(LobeShape::MICROFACETS);
     let shape = all.find(|shape| shape.name() == text);
-    Ok(Lobes::One(shape.ok_or(
-        "use radial, separable or auto; with a baseline beckmann, ggx or auto",
-    )?))
+    let shape = shape.ok_or_else(|| {
+        format!(
+            "use {} or auto; with a baseline beckmann, ggx or auto",
+            LobeShape::NAMES.join(", ")
+        )
+    })?;
+    Ok(Lobes::One(shape))
+}
+
+/// Returns the first line of help on the lobe, which names all shapes.
+fn shape_of_the_lobe() -> String {
+    let names = LobeShape::NAMES.join(", ");
+    format!("Shape of the lobe: {names} or auto; radial if left out")
 }
 
 impl Terms {
@@ -162,16 +162,18 @@ impl Terms {
             return Err(conflict(message));
         }
         let shapes = match self.lobe {
-            None if baseline => self.model.shapes().to_vec(),
+            None if baseline => self.model.compared().to_vec(),
             None => vec![LobeShape::Radial],
-            Some(Lobes::Auto) => self.model.shapes().to_vec(),
+            Some(Lobes::Auto) => self.model.compared().to_vec(),
             Some(Lobes::One(shape)) if self.model.shapes().contains(&shape) => vec![shape],
             Some(Lobes::One(_)) if baseline => {
                 return Err(conflict("the lobe of a baseline is beckmann or ggx"));
             }
             Some(Lobes::One(_)) => {
-                let message = "the lobe of the proposed model is radial or separable";
-                return Err(conflict(message));
+                let [others @ .., last] = LobeShape::NAMES;
+                let names = others.join(", ");
+                let message = format!("the lobe of the proposed model is {names} or {last}");
+                return Err(Failure::conflict(verb, message));
             }
         };
         Ok(Candidates {

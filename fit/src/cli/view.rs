@@ -9,7 +9,7 @@ use edges::photographs::photo::picture::Picture;
 use edges::photographs::photo::transfer::Transfer;
 use estimator::predict::Fitted;
 use estimator::result::ResultFile;
-use pictures::images::UNWATCHED;
+use pictures::images::SILENT;
 use pictures::images::render;
 use pictures::images::render::view::CameraView;
 
@@ -40,14 +40,8 @@ pub fn render_view(
         transfer: Transfer::Linear,
         warnings: Vec::new(),
     };
-    let (mut image, _) = render::viewed(
-        &white,
-        &sheet,
-        &view,
-        result.half_mirror,
-        TOLERANCE,
-        UNWATCHED,
-    )?;
+    let (mut image, _) =
+        render::viewed(&white, &sheet, &view, result.half_mirror, TOLERANCE, SILENT)?;
     image.expose(view.ambient, 1.0);
     Ok(image)
 }

@@ -76,6 +76,14 @@ impl Family {
             Family::Saito | Family::Guo | Family::Mrm => &LobeShape::MICROFACETS,
         }
     }
+
+    /// Returns the shapes that are compared where none is chosen.
+    pub const fn compared(self) -> &'static [LobeShape] {
+        match self {
+            Family::Proposed => &LobeShape::COMPARED,
+            _ => self.shapes(),
+        }
+    }
 }
 
 impl Kernel {
@@ -150,5 +158,68 @@ impl Kernel {
     /// Returns whether the kernel has a lobe, and with it a spread: a, A or a roughness.
     pub const fn has_lobe(self) -> bool {
         !matches!(self, Kernel::Shift | Kernel::Wave)
+    }
+
+    /// Returns whether rays are shifted, without interference of waves.
+    pub const fn shifts_rays(self) -> bool {
+        matches!(self, Kernel::Eq1 | Kernel::Angular | Kernel::Shift)
+    }
+
+    /// Returns whether the blur is computed from waves. It then needs wavelengths and polygons.
+    pub const fn has_waves(self) -> bool {
+        matches!(self, Kernel::Wave)
+    }
+
+    /// Returns whether the blur changes with the floating distance.
+    pub const fn uses_distance(self) -> bool {
+        !matches!(self, Kernel::Eq1 | Kernel::Shift | Kernel::Lobe)
+    }
+
+    /// Returns the kernel in words, for a reader who does not know its name.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Kernel::Eq1 => "blur by ray shift and by the diffraction lobe of Eq. (1)",
+            Kernel::Angular => {
+                "blur by ray shift and by a diffraction lobe of fixed angle, a = A/R"
+            }
+            Kernel::Shift => "blur by ray shift alone",
+            Kernel::Lobe => "blur by the diffraction lobe of Eq. (1) alone",
+            Kernel::Wave => "blur by ray shift and diffraction together, from wave optics",
+            Kernel::Saito => "blur by three rough facets behind a smooth front (Saito et al. 2024)",
+            Kernel::SaitoSurface => {
+                "blur by three rough facets behind a rough front (Saito et al. 2024)"
+            }
+            Kernel::Guo => "blur by a rough front (Guo et al. 2018)",
+            Kernel::Mrm => "blur by the lobe of a rough mirror (Portsmouth et al. 2026)",
+        }
+    }
+
+    /// Names the causes of blur in words, for a sentence of a report.
+    pub fn causes(self, lobe: Option<LobeShape>) -> String {
+        let lobe = match lobe {
+            Some(shape) => format!("a {} lobe", shape.name()),
+            None => "a lobe".into(),
+        };
+        match self {
+            Kernel::Eq1 => {
+                format!("the ray shift and {lobe} whose width does not change with the distance")
+            }
+            Kernel::Angular => format!("the ray shift and {lobe} whose width grows with the distance"),
+            Kernel::Shift => "the ray shift alone".into(),
+            Kernel::Lobe => format!("{lobe} alone"),
+            Kernel::Wave => {
+                "wave optics, which computes ray shift and diffraction together from the size of the \
+                 cubes and the wavelength of the light"
+                    .into()
+            }
+            Kernel::Saito => format!("{lobe} of three rough facets (Saito et al. 2024)"),
+            Kernel::SaitoSurface => {
+                format!("{lobe} of a rough front face and three rough facets (Saito et al. 2024)")
+            }
+            Kernel::Guo => format!("{lobe} of a rough front face (Guo et al. 2018)"),
+            Kernel::Mrm => {
+                format!("{lobe} of rough facets that reflect light back (Portsmouth et al. 2026)")
+            }
+        }
     }
 }

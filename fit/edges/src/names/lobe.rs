@@ -11,6 +11,8 @@ pub enum LobeShape {
     Radial,
     /// sinc^2(a x) sinc^2(a y), not cut.
     Separable,
+    /// exp(-(a r)^2): the curve of `beckmann`, offered as a diffraction lobe.
+    Gaussian,
     /// exp(-(a r)^2): the facets' slopes are distributed after Beckmann.
     Beckmann,
     /// 1 / (1 + (a r)^2)^2: the facets' slopes are distributed after GGX.
@@ -19,10 +21,13 @@ pub enum LobeShape {
 
 impl LobeShape {
     /// The shapes of a diffraction lobe. The first is the default of a scene that names none.
-    pub const ALL: [LobeShape; 2] = [LobeShape::Radial, LobeShape::Separable];
+    pub const ALL: [LobeShape; 3] = [LobeShape::Radial, LobeShape::Separable, LobeShape::Gaussian];
 
     /// Names of [`LobeShape::ALL`] in files, in the same order.
-    pub const NAMES: [&'static str; 2] = ["radial", "separable"];
+    pub const NAMES: [&'static str; 3] = ["radial", "separable", "gaussian"];
+
+    /// The shapes that are compared where none is chosen: the two readings of Eq. (1).
+    pub const COMPARED: [LobeShape; 2] = [LobeShape::Radial, LobeShape::Separable];
 
     /// The shapes of a baseline's lobe.
     pub const MICROFACETS: [LobeShape; 2] = [LobeShape::Beckmann, LobeShape::Ggx];
@@ -34,7 +39,7 @@ impl LobeShape {
             .find(|shape| shape.name() == name)
     }
 
-    /// Returns the other shape of a diffraction lobe.
+    /// Returns another shape of a diffraction lobe, one that is compared.
     pub const fn other(self) -> LobeShape {
         match self {
             LobeShape::Radial => LobeShape::Separable,
@@ -47,8 +52,26 @@ impl LobeShape {
         match self {
             LobeShape::Radial => "radial",
             LobeShape::Separable => "separable",
+            LobeShape::Gaussian => "gaussian",
             LobeShape::Beckmann => "beckmann",
             LobeShape::Ggx => "ggx",
+        }
+    }
+
+    /// Returns a sentence on the shape, for a reader who does not know its name.
+    pub const fn description(self) -> &'static str {
+        match self {
+            LobeShape::Radial => "A radial lobe is round.",
+            LobeShape::Separable => {
+                "A separable lobe is the product of one curve along each axis of the image."
+            }
+            LobeShape::Gaussian => "A gaussian lobe is round and follows the normal distribution.",
+            LobeShape::Beckmann => {
+                "The name beckmann stands for a standard formula for the slopes of a rough surface."
+            }
+            LobeShape::Ggx => {
+                "The name ggx stands for a standard formula for the slopes of a rough surface."
+            }
         }
     }
 }

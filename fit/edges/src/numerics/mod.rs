@@ -9,12 +9,14 @@ pub mod factor;
 pub mod fourier;
 pub mod lagrange;
 mod quadrature;
+mod quantile;
 pub mod sinc;
 mod solve;
 mod stream;
 
 pub use fourier::{fast_length, smooth, smooth_even, smooth_odd};
 pub use quadrature::GAUSS_16;
+pub use quantile::Quantile;
 pub use solve::{CONVERGED, Evaluation, least_squares, least_squares_from};
 pub use solve::{Solution, Stop};
 pub use stream::Stream;

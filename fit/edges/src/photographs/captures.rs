@@ -19,7 +19,7 @@ use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
 use crate::photographs::photo::exif::Settings;
-use crate::photographs::photo::held::Held;
+use crate::photographs::photo::in_memory::InMemory;
 use crate::photographs::photo::plane::{Photo, as_shown};
 use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::roi::Roi;
@@ -131,7 +131,7 @@ impl Shot {
     ///
     /// # Errors
     /// Returns the errors of [`Shot::load`].
-    pub fn held(&self, picture: &Held) -> Result<Photo, Error> {
+    pub fn held(&self, picture: &InMemory) -> Result<Photo, Error> {
         self.checked(picture.photo(&self.decode)?)
     }
 

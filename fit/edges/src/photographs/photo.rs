@@ -18,7 +18,7 @@ mod curve;
 pub mod error;
 pub mod exif;
 pub mod format;
-pub mod held;
+pub mod in_memory;
 mod jpeg;
 pub(crate) mod limits;
 mod openexr;

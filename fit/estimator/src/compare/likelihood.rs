@@ -94,7 +94,7 @@ fn anywhere(most: f64) -> [f64; 2] {
 }
 
 /// Photograph with its nuisances at their optimum.
-pub struct Fitted {
+pub struct FittedPhotograph {
     /// Upper triangular R, where R^T R is the weighted normal matrix of (nuisances, derivatives,
     /// residual).
     pub factor: DMatrix<f64>,
@@ -452,7 +452,7 @@ impl<'a> Photograph<'a> {
     /// Under a model that describes the pixels the problem is almost linear, and steps of
     /// Gauss-Newton lead to the optimum. Under a poor model they may overshoot. Then they are
     /// damped as those of Levenberg and Marquardt.
-    pub fn fit(&self, curves: &Curves) -> Fitted {
+    pub fn fit(&self, curves: &Curves) -> FittedPhotograph {
         const MOST: usize = 12;
         // Damping after the first step that overshoots, and its factor from step to step.
         const FIRST: f64 = 1e-3;
@@ -461,7 +461,7 @@ impl<'a> Photograph<'a> {
         const RISE: f64 = 1e-9;
         let own = self.step_column() + 1;
         let columns = own + curves.by.len();
-        let chi2 = |fitted: &Fitted| fitted.factor.column(columns).norm_squared();
+        let chi2 = |fitted: &FittedPhotograph| fitted.factor.column(columns).norm_squared();
         let mut fitted = self.normal(curves, self.start);
         let mut damping = 0.0;
         for _ in 0..MOST {
@@ -488,11 +488,11 @@ impl<'a> Photograph<'a> {
         fitted
     }
 
-    fn normal(&self, curves: &Curves, nuisances: Nuisances) -> Fitted {
+    fn normal(&self, curves: &Curves, nuisances: Nuisances) -> FittedPhotograph {
         let columns = self.step_column() + 1;
         let mut normal = Products::new(columns + curves.by.len() + 1);
         self.rows(curves, &nuisances, |row| normal.add(row));
-        Fitted {
+        FittedPhotograph {
             factor: factor::of(normal.sum()),
             nuisances,
             columns,
@@ -610,7 +610,7 @@ impl<'a> Photograph<'a> {
     }
 
     /// Returns what a fitted model leaves of the photograph, in units of the noise.
-    pub(crate) fn remainder(&self, curves: &Curves, fitted: &Fitted) -> Remainder {
+    pub(crate) fn remainder(&self, curves: &Curves, fitted: &FittedPhotograph) -> Remainder {
         let mut rows = Vec::new();
         self.rows(curves, &fitted.nuisances, |row| {
             rows.push(row[row.len() - 1]);
@@ -640,7 +640,11 @@ impl<'a> Photograph<'a> {
 
     /// Returns the two halves of a fitted photograph, along the edge: what each would give alone,
     /// to first order. Priors count half in each.
-    pub(crate) fn halves(&self, curves: &Curves, fitted: &Fitted) -> [Fitted; 2] {
+    pub(crate) fn halves(
+        &self,
+        curves: &Curves,
+        fitted: &FittedPhotograph,
+    ) -> [FittedPhotograph; 2] {
         let mut fine = Photograph {
             bins: &self.pixels.strips,
             weights: Vec::new(),
@@ -667,7 +671,7 @@ impl<'a> Photograph<'a> {
                 halves.iter_mut().for_each(|half| half.add(&row));
             }
         });
-        halves.map(|half| Fitted {
+        halves.map(|half| FittedPhotograph {
             factor: factor::of(half.sum()),
             ..*fitted
         })
@@ -704,7 +708,7 @@ impl<'a> Photograph<'a> {
 }
 
 /// Returns the sum of squares that neither the nuisances nor the curves' parameters explain.
-fn unexplained(fitted: &Fitted) -> f64 {
+fn unexplained(fitted: &FittedPhotograph) -> f64 {
     let last = fitted.factor.ncols() - 1;
     fitted.factor[(last, last)].powi(2)
 }

@@ -16,7 +16,7 @@ mod view;
 pub use light::Terms;
 pub use light::are_uneven;
 pub use likelihood::Nuisances;
-pub use likelihood::{Curves, Fitted, Photograph};
+pub use likelihood::{Curves, FittedPhotograph, Photograph};
 pub use pixels::Pixels;
 pub use reflectance::Contrast;
 pub use remainder::Remainder;

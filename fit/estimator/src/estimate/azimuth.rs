@@ -10,13 +10,13 @@
 use nalgebra::DMatrix;
 use tables::Table;
 
-use crate::estimate::choice::{Choice, Value};
 use crate::estimate::error::Error;
 use crate::estimate::fitted::estimate;
+use crate::estimate::layout::{Choice, Value};
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined};
+use crate::estimate::progress::{Progress, Step};
 use crate::estimate::scene::Scene;
-use crate::estimate::watch::{Step, Watch};
 use edges::names::Kernel;
 use edges::names::LobeShape;
 
@@ -146,12 +146,12 @@ fn check(table: &Table) -> Result<(), Error> {
 /// # Errors
 /// Returns [`Error::OneAzimuth`] if the table is a mean over azimuths or holds only one,
 /// [`Error::Table`] if its azimuths do not go all around, and [`Error::Cancelled`] if the flag of
-/// `watch` is set.
+/// `progress` is set.
 pub fn find(
     scene: &Scene,
     table: &Table,
     choice: Choice,
-    watch: &Watch,
+    progress: &Progress,
 ) -> Result<(Azimuth, Scene), Error> {
     check(table)?;
     let period = 360.0 / f64::from(table.provenance.symmetry.rotations);
@@ -169,7 +169,7 @@ pub fn find(
     let mut around = Vec::with_capacity(steps);
     for k in 0..steps {
         around.push(profile.squares(k as f64 * step)?);
-        watch.done(Step::Azimuths { done: k + 1, of })?;
+        progress.done(Step::Azimuths { done: k + 1, of })?;
     }
     let mut lows: Vec<usize> = (0..steps)
         .filter(|&k| {
@@ -183,7 +183,7 @@ pub fn find(
         let middle = low as f64 * step;
         minima.push(profile.minimum(middle - step, middle + step)?);
         let done = steps + minima.len();
-        watch.done(Step::Azimuths { done, of })?;
+        progress.done(Step::Azimuths { done, of })?;
     }
     minima.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (best, least) = minima.first().copied().unwrap_or((0.0, f64::INFINITY));

@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::choice::Choice;
 use crate::estimate::fitted::{Estimate, estimate};
+use crate::estimate::layout::Choice;
 use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{refined, rough, sum_of_squares_with, tolerance_for};
 use crate::estimate::scene::Scene;
@@ -126,7 +126,7 @@ pub fn bound(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, rise: f64) ->
     let is_a = fit.parameters[i].kind.fades_upwards();
     // The blur of c and of roughness vanishes downwards, so their bound is an upper one. That of a
     // vanishes upwards, so its bound is a lower one. Waves spread in both cases.
-    let wave = fit.choice.kernel == Kernel::Wave;
+    let wave = fit.choice.kernel.has_waves();
     let limit = |way| edge(scene, loss, fit, i, way, rise);
     Bound {
         at_least: (is_a || wave).then(|| limit(-1.0)).flatten(),

@@ -7,21 +7,21 @@ use crate::compare::Weights;
 use crate::estimate::azimuth;
 use crate::estimate::azimuth::Azimuth;
 use crate::estimate::bound::{Bounds, absent, bounds};
-use crate::estimate::choice::{Choice, Value};
 use crate::estimate::error::{Conflict, Error};
 use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::forward::Renders;
 use crate::estimate::goodness;
 use crate::estimate::goodness::Goodness;
+use crate::estimate::layout::{Choice, Value};
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::mirror;
 use crate::estimate::optimum::refined;
+use crate::estimate::progress::Progress;
 use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::{Candidates, Ranked, Selection, select};
 use crate::estimate::suspects::{OtherTable, Search, Suspect};
-use crate::estimate::trusted::{Doubted, Trusted};
+use crate::estimate::unverified::{Doubted, Unverified};
 use crate::estimate::verdict;
-use crate::estimate::watch::Watch;
 use crate::model::wave;
 use crate::samples::Sampling;
 use edges::names::{Kernel, Spectrum};
@@ -133,7 +133,7 @@ pub struct Estimated {
     /// Azimuth after which the cell of the table repeats itself, degrees.
     pub azimuth_period_deg: f64,
     /// Inputs that no photograph can check, with the effects of small errors of them.
-    pub trusted: Vec<Trusted>,
+    pub trusted: Vec<Unverified>,
     /// Warnings about the campaign as a whole, one sentence each.
     pub warnings: Vec<String>,
     /// Candidate and parameters from which the noise of the pixels was estimated.
@@ -161,32 +161,32 @@ impl Estimated {
 /// [`Error::OneAzimuth`] if an azimuth is wanted and the table has only one, [`Error::Conflict`] if
 /// options exclude each other, [`Error::Wave`] or [`Error::Hollow`] if the only kernel named cannot
 /// be used with the table or the campaign, [`Error::NothingOpen`] if there is no candidate,
-/// [`Error::NoFit`] if the fit fails, and [`Error::Cancelled`] if the flag of `watch` is set.
+/// [`Error::NoFit`] if the fit fails, and [`Error::Cancelled`] if the flag of `progress` is set.
 pub fn campaign(
     campaign: &Campaign,
     photo: &Source,
     table: &Table,
     options: &Options,
-    watch: &Watch,
+    progress: &Progress,
 ) -> Result<Estimated, Error> {
     let candidates = options.checked()?;
     let campaign = options.applied(campaign);
-    let mut scene = Scene::watched(&campaign, table, photo, watch)?;
+    let mut scene = Scene::reported(&campaign, table, photo, progress)?;
     let mut azimuth = None;
     if options.fit_azimuth {
         let choice = azimuth::flexible(&scene);
-        let (found, turned) = azimuth::find(&scene, table, choice, watch)?;
+        let (found, turned) = azimuth::find(&scene, table, choice, progress)?;
         (azimuth, scene) = (Some(found), turned);
     }
     let (candidates, left_out) = candidates.possible(&scene, table, &campaign.file)?;
-    let Fitted {
+    let SceneFit {
         mut best,
         compared,
         bounds,
         goodness,
         mut near,
         sampled,
-    } = fitted(&scene, table, &candidates, options, watch)?;
+    } = fitted(&scene, table, &candidates, options, progress)?;
     let kind = options.kind();
     if let Some(found) = &azimuth {
         best.add_scatter(&azimuth::scatter(&scene, table, found, kind, best.choice)?);
@@ -212,7 +212,7 @@ pub fn campaign(
         fit: &best,
         tried: &compared,
         goodness: &goodness,
-        watch,
+        progress,
     };
     let suspects = search.suspects(candidates.per_angle_mu.is_none())?;
     let doubted = Doubted {
@@ -225,7 +225,7 @@ pub fn campaign(
         bounds: &bounds,
         azimuth_found: azimuth.is_some(),
     };
-    let trusted = doubted.trusted();
+    let trusted = doubted.unverified();
     let scene = sampled.unwrap_or(scene);
     warnings.extend(left_out);
     warnings.extend(verdict::of_estimate(
@@ -250,7 +250,7 @@ pub fn campaign(
 }
 
 /// Result of the fits of one scene.
-struct Fitted {
+struct SceneFit {
     best: Estimate,
     compared: Vec<Ranked>,
     bounds: Bounds,
@@ -271,12 +271,12 @@ fn fitted(
     table: &Table,
     candidates: &Candidates,
     options: &Options,
-    watch: &Watch,
-) -> Result<Fitted, Error> {
+    progress: &Progress,
+) -> Result<SceneFit, Error> {
     let kind = options.kind();
     // Terms and bounds are found in closed form and in units of the noise.
     let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
-    let selection = select(scene, telling, candidates, watch)?;
+    let selection = select(scene, telling, candidates, progress)?;
     let telling = goodness::of(scene, &selection.loss, &selection.best);
     let unit = telling.scale.powi(2);
     let mut found = Bounds::new();
@@ -300,7 +300,7 @@ fn fitted(
             },
             sampling,
         };
-        let (best, sampled) = renders.estimate(best.choice, watch)?;
+        let (best, sampled) = renders.estimate(best.choice, progress)?;
         let loss = Loss::of_mtfs(&sampled, renders.weights);
         let goodness = goodness::of(&sampled, &loss, &best);
         (best, goodness, Some(sampled))
@@ -313,7 +313,7 @@ fn fitted(
         (best, telling, None)
     };
     best.raise(goodness.scales());
-    Ok(Fitted {
+    Ok(SceneFit {
         best,
         compared,
         bounds: found,

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::compare::Weights;
-use crate::estimate::choice::Choice;
+use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::scene::Aerial;
 use crate::model::Baseline;
@@ -28,12 +28,12 @@ pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
     Model {
         kernel: choice.kernel,
         shape: choice.shape,
-        shift: shot.facing.shift.as_ref(),
-        wave: shot.facing.wave.as_ref().ok(),
+        shift: shot.direction.shift.as_ref(),
+        wave: shot.direction.wave.as_ref().ok(),
         baseline: Baseline::new(
             choice.kernel,
             shot.incidence_deg.to_radians(),
-            shot.facing.refractive_index,
+            shot.direction.refractive_index,
             shot.normal(),
         ),
         r_mm: shot.r_mm,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::estimate::watch::Cancelled;
+use crate::estimate::progress::Cancelled;
 use crate::model::wave;
 use edges::photographs::captures;
 use edges::photographs::edge::fault::Fault;

@@ -10,11 +10,11 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::compare::Weights;
-use crate::estimate::choice::{Choice, Value};
 use crate::estimate::compared::{Compared, assemble, compare};
 use crate::estimate::covariance::{Covariances, Linear, Scatter};
 use crate::estimate::joint::Used;
 use crate::estimate::layout::Layout;
+use crate::estimate::layout::{Choice, Value};
 use crate::estimate::loss::Loss;
 use crate::estimate::optimum::Optimum;
 use crate::estimate::scene::Scene;

@@ -15,16 +15,16 @@ use serde::{Deserialize, Serialize};
 use tables::Table;
 
 use crate::compare::Weights;
-use crate::estimate::choice::Choice;
 use crate::estimate::compared::{Compared, compare};
 use crate::estimate::covariance::{contrasts, reflectances};
 use crate::estimate::error::Error;
 use crate::estimate::fitted::{Estimate, estimate};
+use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{Optimum, refined_to, rough};
+use crate::estimate::progress::{Progress, Step};
 use crate::estimate::scene::{Aerial, Scene};
-use crate::estimate::watch::{Step, Watch};
 use crate::samples::ShiftSampler;
 use crate::samples::{Sampled, Sampling, Tile};
 
@@ -87,7 +87,7 @@ impl Renders<'_> {
     ) -> Result<Sampled, tables::Error> {
         let kernel = choice.kernel;
         let sampler = if kernel.has_c() {
-            let azimuth_deg = shot.facing.azimuth_deg;
+            let azimuth_deg = shot.direction.azimuth_deg;
             ShiftSampler::new(&self.table.direction(shot.incidence_deg, azimuth_deg)?)
         } else {
             None
@@ -133,8 +133,12 @@ impl Renders<'_> {
     ///
     /// # Errors
     /// Returns [`Error::Table`] if the table lacks the direction of a photograph, and
-    /// [`Error::Cancelled`] if the flag of `watch` is set.
-    pub fn estimate(&self, choice: Choice, watch: &Watch) -> Result<(Estimate, Scene), Error> {
+    /// [`Error::Cancelled`] if the flag of `progress` is set.
+    pub fn estimate(
+        &self,
+        choice: Choice,
+        progress: &Progress,
+    ) -> Result<(Estimate, Scene), Error> {
         let start = rough(self.scene, choice);
         // The first samples are drawn again at the end, because two drawings at a time would take
         // twice the memory.
@@ -144,7 +148,7 @@ impl Renders<'_> {
         for randomisation in 1..=RANDOMISATIONS {
             let drawn = self.drawn(choice, randomisation)?;
             estimates.push(neighbour(&drawn, self.weights, &layout, &best));
-            watch.done(Step::Randomisations {
+            progress.done(Step::Randomisations {
                 done: estimates.len(),
                 of: RANDOMISATIONS as usize,
             })?;

@@ -4,10 +4,10 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 use rayon::prelude::*;
 
-use crate::compare::{Curves, Fitted, Photograph, Pixels, Remainder, are_uneven};
-use crate::estimate::choice::Choice;
+use crate::compare::{Curves, FittedPhotograph, Photograph, Pixels, Remainder, are_uneven};
 use crate::estimate::compared::model;
 use crate::estimate::covariance::{Covariances, Mu, Scatter};
+use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::optics::camera_of;
 use crate::estimate::scene::Scene;
@@ -147,10 +147,10 @@ impl<'a> Joint<'a> {
 
     /// Moves the nuisances of each photograph to their optimum. Returns the photographs, the
     /// reference last, with the curves to which they were fitted.
-    fn fitted(&self, layout: &Layout, at: &DVector<f64>) -> Vec<(Fitted, Curves)> {
+    fn fitted(&self, layout: &Layout, at: &DVector<f64>) -> Vec<(FittedPhotograph, Curves)> {
         let camera = self.camera(layout, at);
         let lens = self.lens.len();
-        let mut all: Vec<(Fitted, Curves)> = self
+        let mut all: Vec<(FittedPhotograph, Curves)> = self
             .shots
             .par_iter()
             .zip(&self.scene.shots)
@@ -193,7 +193,7 @@ impl<'a> Joint<'a> {
         halves.map(|half| self.part(layout, i, &half))
     }
 
-    fn part(&self, layout: &Layout, i: usize, fitted: &Fitted) -> Evaluation {
+    fn part(&self, layout: &Layout, i: usize, fitted: &FittedPhotograph) -> Evaluation {
         let width = layout.parameters() + self.lens.len();
         let factor = without(&fitted.factor, fitted.columns);
         let mut jacobian = DMatrix::zeros(factor.nrows(), width);
@@ -303,7 +303,7 @@ impl<'a> Joint<'a> {
                     gradient[column] += pull[k];
                     by_eta[(column, shot.group)] += of_eta[k];
                 }
-                tells.push(Light {
+                tells.push(LightInformation {
                     step: factor[(0, 0)],
                     of_eta: returned.relative_error(),
                     off,
@@ -345,7 +345,7 @@ impl<'a> Joint<'a> {
 }
 
 /// Information of one photograph on its light.
-struct Light {
+struct LightInformation {
     /// Square root of the information on ln step.
     step: f64,
     /// Relative error of the table's retroreflected share.
@@ -358,7 +358,7 @@ struct Light {
     columns: Vec<usize>,
 }
 
-impl Light {
+impl LightInformation {
     /// Returns the difference between the light of the photograph and that of a solution, in units
     /// of its noise; positive if the photograph has more.
     fn left(&self, solution: &DVector<f64>) -> f64 {

@@ -1,9 +1,32 @@
-//! The order of a candidate's parameters in the solver's vector: [ln c] [ln spread ...].
+//! The parameters of a candidate, and their order in the solver's vector: [ln c] [ln spread ...].
 
 use nalgebra::DVector;
 
-use crate::estimate::choice::Choice;
 use crate::model::Blur;
+use edges::names::{Kernel, LobeShape};
+
+/// Candidate: the terms of its blur, and which parameters have one value per incidence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Choice {
+    /// Kernel: the terms of the blur.
+    pub kernel: Kernel,
+    /// Shape of the lobe.
+    pub shape: LobeShape,
+    /// True for one spread per incidence, false for one spread for all.
+    pub per_angle_a: bool,
+    /// True for one mu per incidence, false for one mu for all.
+    pub per_angle_mu: bool,
+}
+
+/// A number and its standard error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Value {
+    /// Estimated value.
+    pub value: f64,
+    /// Standard deviation that pixel noise causes, carried through the estimator, the camera and
+    /// the plateaus.
+    pub standard_error: f64,
+}
 
 /// Returns a logarithm (of mm or 1/mm) between -14 and 14. Beyond these limits the model no longer
 /// changes. They keep a step that runs away finite.

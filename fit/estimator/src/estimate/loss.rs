@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::compare::{Remainder, Weights};
-use crate::estimate::choice::Choice;
 use crate::estimate::compared::{Compared, assemble, compare};
 use crate::estimate::joint::Joint;
+use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::scene::{Aerial, Scene};
 use edges::numerics::Evaluation;

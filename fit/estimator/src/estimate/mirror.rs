@@ -3,10 +3,10 @@
 
 use tables::Table;
 
-use crate::estimate::choice::Value;
 use crate::estimate::compared::model;
 use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::layout::Layout;
+use crate::estimate::layout::Value;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{optimum, refined};
 use crate::estimate::scene::Scene;

@@ -7,25 +7,24 @@
 //!
 //! The files, from the lowest to the highest:
 //!
-//! - [`choice`]: the parameters of a candidate. [`layout`]: their order in a vector.
-//! - [`facing`], [`scene`], `placed`: photographs with their directions. `compared`: their
+//! - [`layout`]: the parameters of a candidate, and their order in a vector.
+//! - [`direction`], [`scene`], `perturbed`: photographs with their directions. `compared`: their
 //!   models.
 //! - `joint`, [`loss`]: the function that is minimised. [`start`], [`optimum`]: its minimum.
 //! - `covariance`, [`fitted`]: the results that follow from the minimum.
 //! - [`select`](mod@select): the choice of the terms.
 //! - [`bound`], `azimuth`, [`forward`]: bounds, the azimuth, and the estimate by samples.
 //! - [`mod@goodness`], `suspects`: how well the fit describes the photographs, and why it does not.
-//! - `trusted`: effects of what no photograph can check.
-//! - `mirror`, `verdict`: warnings. [`watch`]: progress and cancellation.
+//! - `unverified`: effects of what no photograph can check.
+//! - `mirror`, `verdict`: warnings. [`progress`]: progress and cancellation.
 
 mod azimuth;
 pub mod bound;
 pub mod campaign;
-pub mod choice;
 mod compared;
 mod covariance;
+pub mod direction;
 pub mod error;
-pub mod facing;
 pub mod fitted;
 pub mod forward;
 pub mod goodness;
@@ -35,23 +34,22 @@ pub mod loss;
 mod mirror;
 pub(crate) mod optics;
 pub mod optimum;
-mod placed;
+mod perturbed;
+pub mod progress;
 mod reference;
 mod remarks;
 pub mod scene;
 pub mod select;
 pub mod start;
 mod suspects;
-mod trusted;
+mod unverified;
 mod verdict;
-pub mod watch;
 
 pub use azimuth::{Azimuth, find, scatter};
 pub use bound::Bound;
 pub(crate) use bound::Bounds;
 pub use bound::{absent, bounds};
 pub use campaign::{Estimated, Options};
-pub use choice::{Choice, Value};
 pub use compared::curve;
 pub use compared::{compare, model};
 pub use error::Conflict;
@@ -64,13 +62,14 @@ pub use forward::Renders;
 pub use goodness::of as goodness;
 pub use goodness::{Chances, Goodness, Verdict, Worst};
 pub use joint::{Joint, Used};
-pub use layout::Layout;
+pub use layout::{Choice, Layout, Value};
 pub use loss::Kind;
 pub use loss::Loss;
 pub use optimum::Optimum;
 pub use optimum::residuals_at;
 pub use optimum::{refined, sum_of_squares_with, tolerance_for};
-pub use placed::{OtherIndex, Placed};
+pub use perturbed::{Conditions, OtherIndex};
+pub use progress::{Progress, Step};
 pub use reference::measure as measured_reference;
 pub use scene::{Aerial, Scene};
 pub use select::Candidates;
@@ -78,7 +77,6 @@ pub use select::Ranked;
 pub use select::Selection;
 pub use select::{CLEAR, own_mu_limit, scatter_of_mu};
 pub use suspects::{OtherTable, Suspect};
-pub use trusted::Doubted;
-pub use trusted::in_words as trusted_in_words;
-pub use trusted::{Effect, Given, Trusted};
-pub use watch::{Step, Watch};
+pub use unverified::Doubted;
+pub use unverified::in_words as unverified_in_words;
+pub use unverified::{Effect, Unverified, UnverifiedInput};

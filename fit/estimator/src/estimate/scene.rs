@@ -12,13 +12,13 @@ use tables::{Direction, Table};
 
 use crate::compare::Pixels;
 use crate::compare::View;
+use crate::estimate::direction::{Along, ProjectedDirection, Returned};
 use crate::estimate::error::Error;
-use crate::estimate::facing::{Along, Facing, Returned};
 use crate::estimate::optics::Optics;
+use crate::estimate::progress::{Progress, Step};
 use crate::estimate::reference;
 use crate::estimate::reference::Reference;
 use crate::estimate::remarks;
-use crate::estimate::watch::{Step, Watch};
 use crate::model::Camera;
 use crate::model::wave;
 use crate::samples::Sampled;
@@ -56,11 +56,11 @@ pub struct Aerial {
     /// Warnings about the photograph, one sentence each.
     pub warnings: Vec<String>,
     /// Direction of the table for this photograph.
-    pub facing: Facing,
+    pub direction: ProjectedDirection,
     /// True if the camera saw the sheet in the half mirror.
     pub seen_in_mirror: bool,
     /// Angle by which the tangential axis lies further than the manifest says, from +x towards +y,
-    /// radians; 0 except in a scene that is [`Scene::placed`] otherwise.
+    /// radians; 0 except in a scene of [`Scene::perturbed`].
     pub axis_turn_rad: f64,
     /// Samples of the photograph, if its model is evaluated by samples.
     pub sampled: Option<Sampled>,
@@ -77,7 +77,7 @@ impl Aerial {
 
     /// Returns the share of the light that returns before mu, as a kernel counts it.
     pub fn returned(&self, kernel: Kernel) -> Returned {
-        self.facing.returned_as(kernel)
+        self.direction.returned_as(kernel)
     }
 }
 
@@ -122,21 +122,21 @@ impl Scene {
     /// edge, [`Error::Direction`] if the table neither holds nor brackets its direction, and
     /// [`Error::NothingLeft`] if no capture returns light.
     pub fn of(campaign: &Campaign, table: &Table, photo: &Source) -> Result<Scene, Error> {
-        Scene::watched(campaign, table, photo, &Watch::NOBODY)
+        Scene::reported(campaign, table, photo, &Progress::SILENT)
     }
 
-    /// Measures the photographs of a campaign and reports each one to `watch`.
+    /// Measures the photographs of a campaign and reports each one to `progress`.
     ///
     /// # Errors
     /// Returns [`Error::Captures`] if `photo` fails, [`Error::Edge`] if a photograph has no usable
     /// edge, [`Error::Direction`] if the table neither holds nor brackets its direction,
     /// [`Error::NothingLeft`] if no capture returns light, [`Error::Sharper`] if a capture is
-    /// sharper than the reference, and [`Error::Cancelled`] if the flag of `watch` is set.
-    pub fn watched(
+    /// sharper than the reference, and [`Error::Cancelled`] if the flag of `progress` is set.
+    pub fn reported(
         campaign: &Campaign,
         table: &Table,
         photo: &Source,
-        watch: &Watch,
+        progress: &Progress,
     ) -> Result<Scene, Error> {
         let setup = &campaign.setup;
         let mut warnings = campaign.warnings.clone();
@@ -155,7 +155,7 @@ impl Scene {
             .map(|capture| {
                 let aerial = measuring.aerial(capture)?;
                 let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-                watch.done(Step::Photographs { done, of })?;
+                progress.done(Step::Photographs { done, of })?;
                 Ok(aerial)
             })
             .collect::<Result<_, Error>>()?;
@@ -247,12 +247,12 @@ impl Scene {
     pub fn is_lit(&self) -> bool {
         self.shots
             .iter()
-            .all(|shot| shot.facing.returned.retroreflected > 0.0)
+            .all(|shot| shot.direction.returned.retroreflected > 0.0)
     }
 
     /// Returns the azimuths of all photographs, degrees; 0 for a photograph that needs none.
     pub fn azimuths_deg(&self) -> Vec<f64> {
-        let own = |shot: &Aerial| shot.facing.azimuth_deg.unwrap_or(0.0);
+        let own = |shot: &Aerial| shot.direction.azimuth_deg.unwrap_or(0.0);
         self.shots.iter().map(own).collect()
     }
 
@@ -261,7 +261,13 @@ impl Scene {
     /// # Errors
     /// Returns the [`wave::Fault`] of the first photograph without waves.
     pub fn waves(&self) -> Result<(), wave::Fault> {
-        let wave = |shot: &Aerial| shot.facing.wave.as_ref().map(|_| ()).map_err(Clone::clone);
+        let wave = |shot: &Aerial| {
+            shot.direction
+                .wave
+                .as_ref()
+                .map(|_| ())
+                .map_err(Clone::clone)
+        };
         self.shots.iter().try_for_each(wave)
     }
 
@@ -429,7 +435,7 @@ impl Measuring<'_> {
             view: Arc::new(view),
             pixels: Arc::new(pixels),
             warnings,
-            facing: Facing::new(&direction, capture.azimuth_deg, index, along),
+            direction: ProjectedDirection::new(&direction, capture.azimuth_deg, index, along),
             seen_in_mirror: setup.is_in_mirror(),
             axis_turn_rad: 0.0,
             sampled: None,

@@ -15,15 +15,15 @@ use std::path::Path;
 use nalgebra::{DMatrix, DVector};
 use tables::Table;
 
-use crate::estimate::choice::Choice;
 use crate::estimate::error::{Conflict, Error};
 use crate::estimate::fitted::{Estimate, estimate};
+use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, refined, rough, rough_from, unrefined, widened};
+use crate::estimate::progress::{Progress, Step};
 use crate::estimate::scene::Scene;
 use crate::estimate::start;
-use crate::estimate::watch::{Step, Watch};
 use crate::model::wave;
 use crate::samples::has_samples;
 use edges::names::Kernel;
@@ -107,7 +107,7 @@ impl Candidates {
         let hollow = scene
             .shots
             .iter()
-            .any(|shot| shot.facing.refractive_index <= 1.0);
+            .any(|shot| shot.direction.refractive_index <= 1.0);
         if hollow && candidates.kernels == [Kernel::Guo] {
             return Err(Error::Hollow(manifest.to_owned()));
         }
@@ -121,7 +121,7 @@ impl Candidates {
             if candidates.kernels == [Kernel::Wave] {
                 return Err(Error::Wave(manifest.to_owned(), fault));
             }
-            candidates.kernels.retain(|&kernel| kernel != Kernel::Wave);
+            candidates.kernels.retain(|&kernel| !kernel.has_waves());
             if fault != wave::Fault::NoWavelength {
                 warnings.push(format!(
                     "the wave kernel is not among the candidates: {fault}"
@@ -132,7 +132,7 @@ impl Candidates {
             && candidates.kernels.len() > 1
             && wave::polarises(table)
         {
-            candidates.kernels.retain(|&kernel| kernel != Kernel::Wave);
+            candidates.kernels.retain(|&kernel| !kernel.has_waves());
             warnings.push(
                 "the wave kernel is not among the candidates: it is scalar, and the cubes of the \
                 table reflect totally (back tir), which turns the polarisation of light; bake a \
@@ -194,19 +194,19 @@ fn misfit(fits: &[Optimum]) -> f64 {
 ///
 /// # Errors
 /// Returns [`Error::NothingOpen`] if there is no candidate, and [`Error::Cancelled`] if the flag of
-/// `watch` is set.
+/// `progress` is set.
 pub fn select<'a>(
     scene: &'a Scene,
     kind: Kind,
     open: &Candidates,
-    watch: &Watch,
+    progress: &Progress,
 ) -> Result<Selection<'a>, Error> {
     let choices = choices(scene, open);
     let of = 2 * choices.len();
     let mut fits: Vec<Optimum> = Vec::new();
     for (done, choice) in (1..).zip(choices) {
         fits.push(rough(scene, choice));
-        watch.done(Step::Candidates { done, of })?;
+        progress.done(Step::Candidates { done, of })?;
     }
     share_c(scene, &mut fits);
     let scale = misfit(&fits);
@@ -221,7 +221,7 @@ pub fn select<'a>(
         let hopeful = fit.criterion(scale) <= HOPELESS * least + CLEAR;
         let finish = if hopeful { refined } else { unrefined };
         *fit = finish(scene, &loss, fit.clone());
-        watch.done(Step::Candidates { done, of })?;
+        progress.done(Step::Candidates { done, of })?;
     }
     widen(scene, &loss, &mut fits);
     let scale = misfit(&fits);
@@ -245,7 +245,7 @@ pub fn select<'a>(
     if open.per_angle_mu.is_none() && best.choice.per_angle_mu && !needs_own_mu(scene, &best) {
         best = estimate(scene, &loss, shared_mu);
     }
-    watch.done(Step::Chosen)?;
+    progress.done(Step::Chosen)?;
     Ok(Selection {
         loss,
         near,

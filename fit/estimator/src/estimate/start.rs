@@ -4,8 +4,8 @@ use std::f64::consts::LN_10;
 
 use rayon::prelude::*;
 
-use crate::estimate::choice::Choice;
 use crate::estimate::compared::model;
+use crate::estimate::layout::Choice;
 use crate::estimate::scene::Scene;
 
 /// Starting point of a fit.

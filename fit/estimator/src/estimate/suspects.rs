@@ -19,17 +19,17 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tables::Table;
 
-use crate::estimate::choice::Choice;
 use crate::estimate::fitted::Estimate;
 use crate::estimate::goodness::{Goodness, Verdict};
+use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined_to, rough_from};
-use crate::estimate::placed::{OtherIndex, Placed};
+use crate::estimate::perturbed::{Conditions, OtherIndex};
+use crate::estimate::progress::{Cancelled, Progress, Step};
 use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::Ranked;
 use crate::estimate::start::Start;
-use crate::estimate::watch::{Cancelled, Step, Watch};
 use edges::numerics::Stop;
 use edges::photographs::Campaign;
 
@@ -112,7 +112,7 @@ pub(crate) struct Search<'a> {
     /// Candidates that were compared.
     pub tried: &'a [Ranked],
     pub goodness: &'a Goodness,
-    pub watch: &'a Watch<'a>,
+    pub progress: &'a Progress<'a>,
 }
 
 /// Photographs as they would have been taken without a mistake.
@@ -123,7 +123,7 @@ struct Otherwise<'a> {
     /// Refractive index in place of the table's.
     index: Option<OtherIndex>,
     /// Conditions under which each photograph was taken.
-    placed: Vec<Placed>,
+    conditions: Vec<Conditions>,
 }
 
 /// One alternative to the campaign as the manifest states it.
@@ -158,7 +158,7 @@ impl Search<'_> {
     /// would explain why mu differs between the incidences, which is looked at if `mu_was_open`.
     ///
     /// # Errors
-    /// Returns [`Cancelled`] if the flag of the watch is set.
+    /// Returns [`Cancelled`] if the flag of the progress is set.
     pub(crate) fn suspects(&self, mu_was_open: bool) -> Result<Vec<Suspect>, Cancelled> {
         if self.goodness.verdict == Verdict::Good {
             let differs = mu_was_open.then(|| self.of_differing_mu());
@@ -205,7 +205,7 @@ impl Search<'_> {
         let tried = alternatives.par_iter().map(|own| {
             let found = self.at_least(&own.scene, &own.choices);
             let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-            self.watch.done(Step::Suspects { done, of })?;
+            self.progress.done(Step::Suspects { done, of })?;
             Ok(found.map(|found| (found.excess + own.cost, own, found.choice)))
         });
         let tried = tried.collect::<Result<Vec<_>, Cancelled>>()?;

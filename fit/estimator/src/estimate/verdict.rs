@@ -1,9 +1,9 @@
 //! Warnings about an estimate.
 
 use crate::estimate::azimuth::Azimuth;
-use crate::estimate::choice::Value;
 use crate::estimate::fitted::Estimate;
 use crate::estimate::goodness::{Goodness, Verdict};
+use crate::estimate::layout::Value;
 use crate::estimate::scene::Scene;
 use crate::estimate::select::Ranked;
 use crate::estimate::suspects::Suspect;
@@ -68,11 +68,10 @@ pub(crate) fn of_estimate(
 /// Returns a warning if distances lie far apart and the kernel does not use them: then no misfit
 /// tells of a slip in one of them, such as 15 for 150.
 fn unused_distances(scene: &Scene, kernel: Kernel) -> Option<String> {
-    let used = !matches!(kernel, Kernel::Eq1 | Kernel::Shift | Kernel::Lobe);
     let all = || scene.shots.iter().map(|shot| shot.r_mm);
     let nearest = all().fold(f64::INFINITY, f64::min);
     let farthest = all().fold(0.0, f64::max);
-    (!used && farthest >= FAR_APART * nearest).then(|| {
+    (!kernel.uses_distance() && farthest >= FAR_APART * nearest).then(|| {
         format!(
             "the floating distances go from {nearest} to {farthest} mm, and the blur of kernel {} \
             does not depend on them: a slip in floating_distance_mm goes unnoticed; check that \

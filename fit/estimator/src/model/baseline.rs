@@ -30,7 +30,7 @@
 
 use num_complex::Complex64;
 
-use crate::model::blur::Blur;
+use crate::model::edge::Blur;
 use crate::model::lobe::Lobe;
 use edges::names::Kernel;
 use edges::names::LobeShape;
@@ -119,15 +119,10 @@ impl Baseline {
     /// Returns the distance along the line, mm, beyond which the share `tail` of the light lies,
     /// both sides together. `tail` must be far below 1.
     pub fn reach_mm(&self, shape: LobeShape, blur: Blur, r_mm: f64, tail: f64) -> f64 {
+        // Independent widths add by their squares. This is exact for Beckmann, and for the tails of
+        // GGX, which add.
         let spread = self.own.spread(blur.spread * r_mm) + self.front.spread(blur.c_mm * r_mm);
-        match shape {
-            // Along a line GGX is Student's t: the share 1 - x / sqrt(x^2 + w^2) = w^2 / 2 x^2 lies
-            // beyond x, and the tails add.
-            LobeShape::Ggx => (0.5 * spread / tail).sqrt(),
-            // A normal distribution of variance w^2 / 2 has the share erfc(x / w) < exp(-(x / w)^2)
-            // beyond x.
-            _ => (-spread * tail.ln()).sqrt(),
-        }
+        shape.reach_mm(1.0 / spread.sqrt(), tail)
     }
 }
 

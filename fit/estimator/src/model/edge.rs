@@ -4,12 +4,22 @@
 use num_complex::Complex64;
 
 use crate::model::baseline::Baseline;
-use crate::model::blur::Blur;
 use crate::model::lobe::Lobe;
 use edges::names::Kernel;
 use edges::names::LobeShape;
 use tables::ShiftLine;
 use tables::WaveLine;
+
+/// Numbers of the blur at one incidence, which a fit varies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blur {
+    /// Spread: a in 1/mm (eq1, lobe), A = a R (angular), or the roughness of a baseline. `shift`
+    /// and `wave` ignore it.
+    pub spread: f64,
+    /// Corner size c, mm, or the roughness of the front (saito-surface). `lobe` and the other
+    /// baselines ignore it.
+    pub c_mm: f64,
+}
 
 /// Profile of a model over the bins, with its derivatives by the natural logarithms of spread and
 /// c.
@@ -65,10 +75,10 @@ impl Model<'_> {
                 let (value, by_ln_c) = line.otf(c_mm, self.r_mm, frequency);
                 [value.into(), by_ln_c.into()]
             }
-            (kernel, ..) if kernel == Kernel::Wave || kernel.is_baseline() => {
+            (kernel, ..) if kernel.has_waves() || kernel.is_baseline() => {
                 [Complex64::from(f64::NAN); 2]
             }
-            (Kernel::Eq1 | Kernel::Angular | Kernel::Shift, _, Some(line)) => {
+            (kernel, _, Some(line)) if kernel.shifts_rays() => {
                 let (value, by_c) = line.otf(c_mm, self.r_mm, frequency);
                 [value, by_c * c_mm]
             }

@@ -6,22 +6,18 @@
 //! widths of its bins. It may touch `names`, `numerics` and `photographs`.
 
 pub mod baseline;
-mod blur;
 mod camera;
 mod edge;
 mod exits;
 mod lobe;
-pub mod microfacet;
 mod spread;
 pub mod wave;
 
 pub use baseline::Baseline;
 pub use baseline::{fresnel, returned};
-pub use blur::Blur;
 pub use camera::{Camera, Lens};
-pub use edge::{Curve, Model};
+pub use edge::{Blur, Curve, Model};
 pub(crate) use exits::ExitBins;
-pub use lobe::CUT;
-pub use lobe::Lobe;
+pub use lobe::{CUT, Lobe, microfacet};
 pub(crate) use spread::{Even, Grid};
 pub use wave::Fault;

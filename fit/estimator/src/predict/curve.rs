@@ -40,7 +40,7 @@ impl Line {
         }
         let incidence = incidence_deg.to_radians();
         let shift = ShiftLine::new(direction, incidence, normal);
-        let wave = (result.kernel == Kernel::Wave && shift.is_some())
+        let wave = (result.kernel.has_waves() && shift.is_some())
             .then(|| wave::line(direction, incidence, normal, result.wavelength_nm.as_ref()))
             .transpose()?;
         let index = sheet.table.provenance.refractive_index;

@@ -153,7 +153,7 @@ pub fn predict(
         }
         for &r_mm in &places.floating_distance_mm {
             for (axis, line, sides) in &lines {
-                let seen = Seen {
+                let seen = AxisCurve {
                     curve: line.as_ref().map(|line| line.at(r_mm)),
                     sides: sides
                         .iter()
@@ -179,14 +179,14 @@ struct Incidence<'a> {
 }
 
 /// MTF along one axis at one distance.
-struct Seen<'a> {
+struct AxisCurve<'a> {
     /// Curve of the direction; `None` without light.
     curve: Option<Curve<'a>>,
     /// Curves at one standard error of a fitted azimuth to either side; else none.
     sides: Vec<Curve<'a>>,
 }
 
-impl Seen<'_> {
+impl AxisCurve<'_> {
     /// Returns the standard error that the azimuth causes in a number of the curve.
     fn by_azimuth(&self, number: impl Fn(&Curve) -> Option<f64>) -> f64 {
         let sides: Option<Vec<f64>> = self.sides.iter().map(number).collect();
@@ -208,7 +208,7 @@ impl Incidence<'_> {
         &self,
         axis: Axis,
         floating_distance_mm: f64,
-        seen: &Seen<'_>,
+        seen: &AxisCurve<'_>,
         frequency_per_mm: &[f64],
     ) -> Prediction {
         let (sheet, uncertainty) = (&self.sheet, &self.uncertainty);

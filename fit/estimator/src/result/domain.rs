@@ -23,7 +23,7 @@ impl Domain {
     /// `period_deg`.
     pub fn of(scene: &Scene, period_deg: f64) -> Domain {
         let shots = &scene.shots;
-        let azimuths: Option<Vec<f64>> = shots.iter().map(|s| s.facing.azimuth_deg).collect();
+        let azimuths: Option<Vec<f64>> = shots.iter().map(|s| s.direction.azimuth_deg).collect();
         Domain {
             floating_distance_mm: range(shots.iter().map(|shot| shot.r_mm)),
             incidence_deg: range(shots.iter().map(|shot| shot.incidence_deg)),

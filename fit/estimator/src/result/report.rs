@@ -8,7 +8,7 @@ use crate::estimate::Estimated;
 use crate::estimate::Forward;
 use crate::estimate::Kind;
 use crate::estimate::Ranked;
-use crate::estimate::Trusted;
+use crate::estimate::Unverified;
 use crate::estimate::Value;
 use crate::estimate::{Aerial, Scene};
 use crate::result::domain::Domain;
@@ -298,7 +298,7 @@ pub struct ResultFile {
     /// Inputs that no photograph can check, with the effects of small errors of them; empty in
     /// older results.
     #[serde(default)]
-    pub trusted: Vec<Trusted>,
+    pub trusted: Vec<Unverified>,
     /// Table that was used.
     pub table: TableResult,
     /// Warnings about the campaign as a whole.

@@ -4,18 +4,15 @@
 //! such points. The room may touch `model`, `names`, `numerics` and `photographs`.
 //!
 //! A sample is a pure function of (seed, stream, index). A `sequence` gives four coordinates. The
-//! first two become a ray shift (`shift`), the last two an offset by diffraction (`lobe`). Both
+//! first two become a ray shift (`shift`), the last two an offset by diffraction (`model::Lobe`). Both
 //! maps are inversions and piecewise smooth in the coordinates, so evenly spread points give evenly
 //! spread samples. The sequence is this crate's own: that of `bake` has two dimensions and the
 //! angles of a direction, and `fit` does not depend on `bake`.
 
-mod lobe;
-mod quantile;
 mod sampled;
 mod sequence;
 mod shift;
 
-pub use lobe::LobeSampler;
 pub use sampled::has_samples;
 pub use sampled::{Sampled, Sampling, Tile};
 pub use sequence::Sequence;

@@ -33,8 +33,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::Blur;
 use crate::model::Camera;
+use crate::model::Lobe;
 use crate::model::{Curve, Model};
-use crate::samples::lobe::LobeSampler;
 use crate::samples::sampled::texture::{CELLS_PER_PX, Texture};
 use crate::samples::sequence::{Points, Sequence};
 use crate::samples::shift::{Departure, ShiftSampler};
@@ -96,7 +96,6 @@ impl Tile {
         };
         let patterns = pixels.min(most / sampling.samples).max(1);
         let points = Points::new(sampling.sequence, sampling.seed, stream);
-        let lobe = shape.map(LobeSampler::new);
         let pair = |index: usize| {
             let [u, v, s, t] = points.at(index as u32);
             let (along, off) = shift.map_or((0.0, 0.0), |(sampler, incidence)| {
@@ -105,8 +104,8 @@ impl Tile {
                 let along = dot(incidence.cos() * shift[0], shift[1]);
                 (along, dot(deviation[0], deviation[1]))
             });
-            let spread = lobe.map_or(0.0, |sampler| {
-                let [x, y] = sampler.at([s, t]);
+            let spread = shape.map_or(0.0, |lobe| {
+                let [x, y] = lobe.offset([s, t]);
                 normal[0] * x + normal[1] * y
             });
             ((along as f32, spread as f32), off as f32)
@@ -249,8 +248,5 @@ impl Sampled {
 /// Returns whether samples can be drawn for a kernel. Waves interfere, so `wave` has no samples.
 /// For the baselines none are drawn.
 pub fn has_samples(kernel: Kernel) -> bool {
-    matches!(
-        kernel,
-        Kernel::Eq1 | Kernel::Angular | Kernel::Shift | Kernel::Lobe
-    )
+    !kernel.has_waves() && !kernel.is_baseline()
 }

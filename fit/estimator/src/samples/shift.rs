@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use tables::deviation::Exits;
 use tables::{Direction, Path};
 
-use crate::samples::quantile::Quantile;
+use edges::numerics::Quantile;
 
 /// Departure of a ray: its shift, and its direction off the exact way back.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,10 +1,12 @@
 //! Edge profiles of a diffraction lobe, computed in space. No OTF is used, so a campaign simulated
 //! in this way checks an estimator that uses one.
 //!
-//! Both lobes are sinc^2. `radial` is sinc^2(a r), cut at a r = 2.4 pi and normalised; `separable`
-//! is sinc^2(a x) times sinc^2(a y).
+//! `radial` is sinc^2(a r), cut at a r = 2.4 pi and normalised; `separable` is sinc^2(a x) times
+//! sinc^2(a y); `gaussian` is exp(-(a r)^2), whose edge is an error function along every direction.
 
 use std::f64::consts::PI;
+
+use edges::names::LobeShape;
 
 /// Value of a r at which the radial lobe ends.
 const RADIAL_END: f64 = 2.4 * PI;
@@ -52,8 +54,37 @@ impl<const N: usize> Gauss<N> {
     }
 }
 
+/// Returns the edge profile of a diffraction lobe along a direction, on the points `i * step_mm`,
+/// |i| <= `half`: the share of the light at distances up to each point.
+///
+/// # Panics
+/// Panics for a shape that is not in [`LobeShape::ALL`].
+pub(crate) fn lobe_edge(
+    shape: LobeShape,
+    a_per_mm: f64,
+    along: [f64; 2],
+    step_mm: f64,
+    half: usize,
+) -> Vec<f64> {
+    let round = |edge: &dyn Fn(f64) -> f64| {
+        let places = (0..=2 * half).map(|i| (i as f64 - half as f64) * step_mm);
+        places.map(edge).collect()
+    };
+    match shape {
+        LobeShape::Radial => {
+            let edge = RadialEdge::new(a_per_mm);
+            round(&|x_mm| edge.at(x_mm))
+        }
+        LobeShape::Separable => separable_edge(a_per_mm, along, step_mm, half),
+        LobeShape::Gaussian => round(&|x_mm| 0.5 * libm::erfc(-a_per_mm * x_mm)),
+        LobeShape::Beckmann | LobeShape::Ggx => {
+            unreachable!("{} is not the shape of a diffraction lobe", shape.name())
+        }
+    }
+}
+
 /// Edge profile of the radial lobe.
-pub(crate) struct RadialEdge {
+struct RadialEdge {
     a_per_mm: f64,
     rule: Gauss<16>,
     total: f64,
@@ -61,7 +92,7 @@ pub(crate) struct RadialEdge {
 
 impl RadialEdge {
     /// Creates the edge profile of the lobe of spread `a_per_mm` > 0.
-    pub(crate) fn new(a_per_mm: f64) -> RadialEdge {
+    fn new(a_per_mm: f64) -> RadialEdge {
         let mut edge = RadialEdge {
             a_per_mm,
             rule: Gauss::new(),
@@ -87,7 +118,7 @@ impl RadialEdge {
     /// Returns the share of the light at distances up to `x_mm` along any direction: 0 far on the
     /// dark side, 1/2 at 0, 1 far on the bright side. It is twice the Abel integral of the lobe;
     /// the absolute error is below 1e-12.
-    pub(crate) fn at(&self, x_mm: f64) -> f64 {
+    fn at(&self, x_mm: f64) -> f64 {
         let z = (self.a_per_mm * x_mm).abs();
         if z >= RADIAL_END {
             return if x_mm > 0.0 { 1.0 } else { 0.0 };
@@ -201,12 +232,7 @@ fn sine_and_cosine_integral(x: f64) -> (f64, f64) {
 /// The 1/t^2 tails of the narrower axis beyond `reach` count as if they lay on the plateau. This
 /// leaves an error of order s^3 / (a^2 reach^5): below 1e-9 for a > 1/mm, with reach = 8 times the
 /// half-width of the picture.
-pub(crate) fn separable_edge(
-    a_per_mm: f64,
-    along: [f64; 2],
-    step_mm: f64,
-    half: usize,
-) -> Vec<f64> {
+fn separable_edge(a_per_mm: f64, along: [f64; 2], step_mm: f64, half: usize) -> Vec<f64> {
     let (most, least) = (
         along[0].abs().max(along[1].abs()),
         along[0].abs().min(along[1].abs()),

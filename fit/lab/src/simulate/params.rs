@@ -318,7 +318,7 @@ impl TruthTable {
     /// Returns the sheet, or the key that its kernel needs and that is missing.
     fn checked(self) -> Result<PlantedSheet, &'static str> {
         let kernel = self.kernel;
-        if kernel == Kernel::Wave && self.wavelength_nm.is_none() {
+        if kernel.has_waves() && self.wavelength_nm.is_none() {
             return Err("wavelength_nm");
         }
         // A parameter that the kernel does not have need not be given.

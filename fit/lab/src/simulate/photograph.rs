@@ -217,10 +217,10 @@ fn aerial_blur(params: &Params, index: usize) -> Result<(EdgeBlur, f64), Error> 
                 lines: lines.map(line).collect(),
             }
         }
-        (kernel, LobeShape::Beckmann | LobeShape::Ggx) => return Err(Error::Unplanted { kernel }),
-        (kernel, _) if kernel.is_baseline() => return Err(Error::Unplanted { kernel }),
-        (_, LobeShape::Radial) => Spread::Radial { a_per_mm },
-        (_, LobeShape::Separable) => Spread::Separable { a_per_mm },
+        (kernel, shape) if kernel.is_baseline() || !LobeShape::ALL.contains(&shape) => {
+            return Err(Error::Unplanted { kernel });
+        }
+        (_, shape) => Spread::Lobe { shape, a_per_mm },
     };
     let source = source_blur(camera, &shot.edge);
     let in_picture_rad = (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians();

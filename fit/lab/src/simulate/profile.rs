@@ -8,8 +8,9 @@
 //! (measured by halving the step), for lenses of sigma >= 0.1 pixel.
 
 use crate::simulate::cell::{CubeShift, Ramp, marginal};
-use crate::simulate::lobe_edge::{RadialEdge, separable_edge};
+use crate::simulate::lobe_edge::lobe_edge;
 use crate::simulate::wave_edge::wave_edge;
+use edges::names::LobeShape;
 
 /// Number of grid steps per pixel of a simulated photograph.
 pub(crate) const STEPS_PER_PIXEL: f64 = 32.0;
@@ -19,13 +20,10 @@ pub(crate) const STEPS_PER_PIXEL: f64 = 32.0;
 pub(crate) enum Spread {
     /// No diffraction.
     None,
-    /// The radial lobe: sinc^2(a r), cut at a r = 2.4 pi.
-    Radial {
-        /// Diffraction spread a, 1/mm.
-        a_per_mm: f64,
-    },
-    /// The separable lobe: sinc^2(a x) sinc^2(a y).
-    Separable {
+    /// A diffraction lobe.
+    Lobe {
+        /// Shape of the lobe, one of [`LobeShape::ALL`].
+        shape: LobeShape,
         /// Diffraction spread a, 1/mm.
         a_per_mm: f64,
     },
@@ -72,7 +70,6 @@ impl EdgeProfile {
         let kernel = compact(blur, step);
         let half = (reach_mm / step).ceil() as usize + 2;
         let wide = half + kernel.half;
-        let position = |i: usize| (i as f64 - wide as f64) * step;
         let along = [blur.normal_rad.cos(), blur.normal_rad.sin()];
         let lobe: Vec<f64> = match &blur.spread {
             Spread::None => {
@@ -82,11 +79,7 @@ impl EdgeProfile {
                     values: kernel.cumulative(half),
                 };
             }
-            Spread::Radial { a_per_mm } => {
-                let edge = RadialEdge::new(*a_per_mm);
-                (0..=2 * wide).map(|i| edge.at(position(i))).collect()
-            }
-            Spread::Separable { a_per_mm } => separable_edge(*a_per_mm, along, step, wide),
+            Spread::Lobe { shape, a_per_mm } => lobe_edge(*shape, *a_per_mm, along, step, wide),
             Spread::Wave { lines } => {
                 wave_edge(&blur.shifts, blur.scale_mm, along, lines, step, wide)
             }
@@ -271,6 +264,10 @@ mod tests {
     use super::*;
     use crate::simulate::cell::shifts;
 
+    fn lobe(shape: LobeShape, a_per_mm: f64) -> Spread {
+        Spread::Lobe { shape, a_per_mm }
+    }
+
     fn blur(spread: Spread, incidence_deg: f64, normal_deg: f64, sigma_px: f64) -> EdgeBlur {
         let c_mm = 0.24;
         let incidence = incidence_deg.to_radians();
@@ -290,9 +287,10 @@ mod tests {
         let mut largest: f64 = 0.0;
         let spreads = [
             Spread::None,
-            Spread::Radial { a_per_mm: 4.9 },
-            Spread::Radial { a_per_mm: 8.0 },
-            Spread::Separable { a_per_mm: 4.2 },
+            lobe(LobeShape::Radial, 4.9),
+            lobe(LobeShape::Radial, 8.0),
+            lobe(LobeShape::Separable, 4.2),
+            lobe(LobeShape::Gaussian, 2.4),
         ];
         for spread in spreads {
             for (incidence, normal, sigma) in [
@@ -317,7 +315,11 @@ mod tests {
 
     #[test]
     fn profiles_run_from_dark_to_bright() {
-        for spread in [Spread::None, Spread::Radial { a_per_mm: 4.9 }] {
+        for spread in [
+            Spread::None,
+            lobe(LobeShape::Radial, 4.9),
+            lobe(LobeShape::Gaussian, 2.4),
+        ] {
             let profile = EdgeProfile::new(&blur(spread, 20.0, 12.0, 0.55), 8.0, STEPS_PER_PIXEL);
             assert!(profile.at(-8.0).abs() < 1e-12 && (profile.at(8.0) - 1.0).abs() < 1e-12);
             // Every part of the blur is symmetric about 0.
@@ -333,7 +335,7 @@ mod tests {
         // pi a s) times their cosines.
         let (a, angle) = (4.2, 12_f64);
         let profile = EdgeProfile::new(
-            &blur(Spread::Separable { a_per_mm: a }, 20.0, angle, 0.55),
+            &blur(lobe(LobeShape::Separable, a), 20.0, angle, 0.55),
             8.0,
             STEPS_PER_PIXEL,
         );

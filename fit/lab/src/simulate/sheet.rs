@@ -6,7 +6,6 @@ use tables::Table;
 use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
 use crate::simulate::params::{Params, PlantedShot};
-use edges::names::Kernel;
 
 impl Params {
     /// Replaces the ideal cubes of a campaign by the sheet that `table` describes.
@@ -17,7 +16,7 @@ impl Params {
     /// light returns there, or if the kernel is `wave`.
     pub fn of_sheet(mut self, table: &Table) -> Result<Params, Error> {
         let refused = |why: String| Err(Error::Sheet { why });
-        if self.truth.kernel == Kernel::Wave {
+        if self.truth.kernel.has_waves() {
             return refused(
                 "waves can only be simulated for ideal cubes; leave --table out".into(),
             );

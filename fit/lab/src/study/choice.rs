@@ -28,8 +28,8 @@ use estimator::estimate::Choice;
 use estimator::estimate::Error;
 use estimator::estimate::Layout;
 use estimator::estimate::Loss;
+use estimator::estimate::Progress;
 use estimator::estimate::Scene;
-use estimator::estimate::Watch;
 use estimator::estimate::campaign as estimate;
 use estimator::estimate::{CLEAR, Candidates, Ranked, own_mu_limit, scatter_of_mu};
 use estimator::estimate::{Estimated, Options};
@@ -115,7 +115,7 @@ pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
     });
     let photographs = trial::source(params, simulate::photograph);
     let campaign = trial::campaign(params, &[]);
-    let found = estimate::campaign(&campaign, &photographs, table, &options, &Watch::NOBODY)?;
+    let found = estimate::campaign(&campaign, &photographs, table, &options, &Progress::SILENT)?;
     let (scene, chosen) = (&found.scene, found.best.choice);
     let (margin, mu_margin) = margins(params, &silent(params, table)?, planted, &found.compared);
     let row = found.compared.iter().find(|row| {
@@ -182,7 +182,7 @@ fn one_sided(params: &Params, planted: Choice, found: &Estimated) -> [Option<One
     let a = (truth.kernel == Kernel::Eq1 || truth.kernel == Kernel::Lobe)
         .then(|| truth.a.at(found.scene.groups[0]))
         .flatten();
-    let literal = truth.kernel != Kernel::Angular && truth.kernel != Kernel::Wave;
+    let literal = truth.kernel != Kernel::Angular && !truth.kernel.has_waves();
     let a_at_least = of(ParameterKind::APerMm)
         .filter(|_| literal && !planted.per_angle_a)
         .map(|found| OneSided {

@@ -10,9 +10,9 @@ use estimator::estimate::Candidates;
 use estimator::estimate::Choice;
 use estimator::estimate::Error;
 use estimator::estimate::Layout;
+use estimator::estimate::Progress;
 use estimator::estimate::Scene;
 use estimator::estimate::Used;
-use estimator::estimate::Watch;
 use estimator::estimate::optimum::optimum;
 use estimator::estimate::refined;
 use estimator::estimate::select::select;
@@ -88,7 +88,7 @@ pub fn photographs(
     seconds_to_measure: f64,
     open: &Candidates,
 ) -> Result<Study, Error> {
-    let selection = select(scene, Kind::Edge, open, &Watch::NOBODY)?;
+    let selection = select(scene, Kind::Edge, open, &Progress::SILENT)?;
     let best = &selection.best;
     let with_mtf = fit(scene, best.choice, Kind::Mtf);
     let parameters = parameters(scene, &selection.loss, best, &with_mtf);

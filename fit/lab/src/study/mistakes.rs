@@ -10,7 +10,7 @@ use crate::study::trial::{campaign as manifest_of, source};
 use edges::names::{Kernel, ParameterKind};
 use edges::photographs::Campaign;
 use estimator::estimate::campaign::campaign;
-use estimator::estimate::{Candidates, Error, Estimated, Options, Value, Verdict, Watch};
+use estimator::estimate::{Candidates, Error, Estimated, Options, Progress, Value, Verdict};
 
 /// Mistake that is planted in a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -126,7 +126,7 @@ pub fn run(
     };
     let estimate = |params: &Params, manifest: &Campaign| {
         let photographs = source(params, photograph::saved);
-        campaign(manifest, &photographs, table, options, &Watch::NOBODY)
+        campaign(manifest, &photographs, table, options, &Progress::SILENT)
     };
     let right = estimate(params, &manifest_of(params, &[]))?;
     let wrong = (mistake != Mistake::None).then(|| {

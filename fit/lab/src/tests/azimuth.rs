@@ -8,7 +8,7 @@ use edges::names::Kernel;
 use edges::names::LobeShape;
 use estimator::estimate::campaign::campaign as estimated;
 use estimator::estimate::{Azimuth, find, scatter};
-use estimator::estimate::{Candidates, Choice, Given, Kind, Options, Scene, Watch};
+use estimator::estimate::{Candidates, Choice, Kind, Options, Progress, Scene, UnverifiedInput};
 use nalgebra::DVector;
 use tables::{Exact, Symmetry, Table};
 
@@ -106,7 +106,7 @@ fn a_planted_azimuth_comes_back() {
         let unknown = vec![0.0; scene.shots.len()];
         let scene = scene.turned(&table, &unknown).unwrap();
         assert!(scene.is_lit(), "light returns everywhere");
-        let (found, scene) = find(&scene, &table, choice, &Watch::NOBODY).unwrap();
+        let (found, scene) = find(&scene, &table, choice, &Progress::SILENT).unwrap();
         assert_eq!(found.period_deg, 60.0);
         let off = (found.deg.value - planted + 30.0).rem_euclid(60.0) - 30.0;
         let pull = off / found.deg.standard_error;
@@ -161,7 +161,7 @@ fn an_azimuth_without_the_view_is_warned_of() {
         });
         options.fit_azimuth = true;
         let photographs = trial::source(&campaign, photograph);
-        let found = estimated(&stated, &photographs, &table, &options, &Watch::NOBODY).unwrap();
+        let found = estimated(&stated, &photographs, &table, &options, &Progress::SILENT).unwrap();
         let count = found
             .warnings
             .iter()
@@ -170,6 +170,6 @@ fn an_azimuth_without_the_view_is_warned_of() {
         assert_eq!(count, usize::from(warned), "{said:?}: {:?}", found.warnings);
         let trusts = |given| found.trusted.iter().any(|entry| entry.what == given);
         // An azimuth that is estimated is not taken on trust.
-        assert!(!trusts(Given::AzimuthDeg) && trusts(Given::IncidenceDeg));
+        assert!(!trusts(UnverifiedInput::AzimuthDeg) && trusts(UnverifiedInput::IncidenceDeg));
     }
 }

@@ -13,8 +13,8 @@ use edges::photographs::photo::plane::Photo;
 use edges::photographs::photo::taken::Taken;
 use edges::photographs::{Campaign, Capture, Setup, Shot};
 use estimator::estimate::Kind;
+use estimator::estimate::Progress;
 use estimator::estimate::Scene;
-use estimator::estimate::Watch;
 use estimator::estimate::select::select;
 use estimator::estimate::{Candidates, Selection};
 use estimator::model::Blur;
@@ -546,7 +546,7 @@ fn fitted<'a>(scene: &'a Scene, family: Family) -> Selection<'a> {
         per_angle_a: Some(false),
         per_angle_mu: None,
     };
-    select(scene, Kind::Edge, &open, &Watch::NOBODY).expect("candidates are open")
+    select(scene, Kind::Edge, &open, &Progress::SILENT).expect("candidates are open")
 }
 
 /// Photographs that a baseline describes return its roughness and mu within 4 standard errors (14

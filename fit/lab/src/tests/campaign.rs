@@ -1,4 +1,4 @@
-//! Tests of `estimate::campaign`, a whole estimate in one call: from memory, watched, and
+//! Tests of `estimate::campaign`, a whole estimate in one call: from memory, reported, and
 //! cancelled.
 
 use std::sync::Mutex;
@@ -15,7 +15,7 @@ use estimator::estimate::Kind;
 use estimator::estimate::Options;
 use estimator::estimate::campaign::campaign;
 use estimator::estimate::{Conflict, Error};
-use estimator::estimate::{Step, Watch};
+use estimator::estimate::{Progress, Step};
 use estimator::samples::Sampling;
 use estimator::samples::Sequence;
 use tables::Table;
@@ -48,13 +48,13 @@ fn photographs_from_memory_are_measured_once() {
         asked.fetch_add(1, Ordering::Relaxed);
         photographs(shot)
     };
-    let progress = |step: Step| steps.lock().unwrap().push(step);
-    let watch = Watch {
-        progress: Some(&progress),
+    let report = |step: Step| steps.lock().unwrap().push(step);
+    let progress = Progress {
+        report: Some(&report),
         cancel: None,
     };
     let given = trial::campaign(&params, &[]);
-    let found = campaign(&given, &source, &table, &options(), &watch).unwrap();
+    let found = campaign(&given, &source, &table, &options(), &progress).unwrap();
     let captures = params.captures.len();
     assert_eq!(asked.into_inner(), captures + 1, "with the reference");
     let mut done: Vec<usize> = Vec::new();
@@ -94,15 +94,15 @@ fn a_flag_ends_an_estimate_at_its_next_step() {
     for last in [Step::Candidates { done: 1, of: 2 }, Step::Chosen] {
         let cancel = AtomicBool::new(false);
         let told = Mutex::new(Vec::new());
-        let progress = |step: Step| {
+        let report = |step: Step| {
             told.lock().unwrap().push(step);
             cancel.fetch_or(step == last, Ordering::Relaxed);
         };
-        let watch = Watch {
-            progress: Some(&progress),
+        let progress = Progress {
+            report: Some(&report),
             cancel: Some(&cancel),
         };
-        let found = campaign(&given, &photographs, &table, &options(), &watch);
+        let found = campaign(&given, &photographs, &table, &options(), &progress);
         assert!(matches!(found, Err(Error::Cancelled(_))));
         assert_eq!(told.lock().unwrap().last(), Some(&last));
     }
@@ -119,12 +119,12 @@ fn options_that_exclude_each_other_are_refused() {
         seed: 1,
         sequence: Sequence::Sobol,
     };
-    let refused = |options: &Options| match campaign(&given, &none, &table, options, &Watch::NOBODY)
-    {
-        Err(Error::Conflict(conflict)) => conflict,
-        Err(other) => panic!("{other}"),
-        Ok(_) => panic!("it is refused"),
-    };
+    let refused =
+        |options: &Options| match campaign(&given, &none, &table, options, &Progress::SILENT) {
+            Err(Error::Conflict(conflict)) => conflict,
+            Err(other) => panic!("{other}"),
+            Ok(_) => panic!("it is refused"),
+        };
     let mut asked = options();
     asked.samples = Some(sampling);
     asked.loss = Some(Kind::Edge);

@@ -138,7 +138,7 @@ fn differences_of_light_hold_the_error_of_eta() {
         &of_ideal,
     );
     for shot in &mut scene.shots {
-        let returned = &mut shot.facing.returned;
+        let returned = &mut shot.direction.returned;
         returned.retroreflected *= [1.2, 1.0][shot.group];
         returned.standard_error = 0.05 * returned.retroreflected;
     }
@@ -180,7 +180,7 @@ fn photographs_of_one_incidence_share_the_error_of_eta() {
     let with = |scale: [f64; 2], errors: [f64; 2]| {
         let mut other = scene.clone();
         for shot in &mut other.shots {
-            let returned = &mut shot.facing.returned;
+            let returned = &mut shot.direction.returned;
             returned.retroreflected *= scale[shot.group];
             returned.standard_error = errors[shot.group] * returned.retroreflected;
         }

@@ -10,8 +10,8 @@ use estimator::compare::Contrast;
 use estimator::compare::Weights;
 use estimator::estimate::Candidates;
 use estimator::estimate::Choice;
+use estimator::estimate::Progress;
 use estimator::estimate::Scene;
-use estimator::estimate::Watch;
 use estimator::estimate::absent;
 use estimator::estimate::optimum::{optimum, sum_of_squares_with};
 use estimator::estimate::select::{Selection, select};
@@ -57,8 +57,8 @@ fn model_equals_noise_free_photographs() {
                 let model = Model {
                     kernel,
                     shape,
-                    shift: shot.facing.shift.as_ref(),
-                    wave: shot.facing.wave.as_ref().ok(),
+                    shift: shot.direction.shift.as_ref(),
+                    wave: shot.direction.wave.as_ref().ok(),
                     baseline: None,
                     r_mm: shot.r_mm,
                     normal: shot.normal(),
@@ -96,7 +96,7 @@ fn model_equals_noise_free_photographs() {
             }
         }
     }
-    assert_eq!(cases, 30);
+    assert_eq!(cases, 5 * 3 * 3);
     assert!(
         worst < 2e-5 / 0.05 + 2e-5,
         "largest difference of profile and model: {worst:.2e} of the step"
@@ -118,7 +118,7 @@ fn derivatives_match_differences() {
     );
     let mut cases = 0;
     for kernel in Kernel::ALL {
-        for shape in [LobeShape::Radial, LobeShape::Separable] {
+        for shape in LobeShape::ALL {
             let choice = Choice {
                 kernel,
                 shape,
@@ -157,7 +157,7 @@ fn derivatives_match_differences() {
             }
         }
     }
-    assert_eq!(cases, 2 * (1 + 1 + 2 + 3 + 3));
+    assert_eq!(cases, 3 * (1 + 1 + 2 + 3 + 3));
 }
 
 /// Checks a bound of a term that was left out against its definition: a normal number about the
@@ -189,6 +189,38 @@ fn bound_is_conditional(scene: &Scene, selection: &Selection, id: ParameterId, a
     assert!(outside <= 0.05 && 0.05 <= inside, "{inside} {outside}");
 }
 
+/// A campaign with a gaussian lobe gives its a, c and mu back, each within 4.5 standard errors, which
+/// chance exceeds in 7 of 10^6. With a radial lobe the same photographs do not agree.
+#[test]
+fn a_gaussian_lobe_comes_back() {
+    let (a, c_mm, mu) = (2.4, 0.31, 0.6);
+    let planted = truth(Kernel::Eq1, LobeShape::Gaussian, a, c_mm, mu);
+    let incidence = [0.0, 25.0];
+    let table = table(&planted, &incidence, 20.0);
+    let params = params(3, planted, &incidence, &[150.0, 300.0], camera(4e4));
+    let scene = scene(&params, &table);
+    let choice = Choice {
+        shape: LobeShape::Gaussian,
+        ..SHARED
+    };
+    let found = fitted(&scene, choice, Kind::Edge);
+    let found_mu = &found.mu.as_ref().expect("the source is known")[0];
+    let numbers = [
+        (found.spread[0], a),
+        (found.c_mm.expect("eq1 has a c"), c_mm),
+        (*found_mu, mu),
+    ];
+    for (number, planted) in numbers {
+        println!("{number:?} of {planted}");
+        let off = (number.value - planted) / number.standard_error;
+        assert!(off.abs() < 4.5, "{number:?} of {planted}");
+        assert!(number.standard_error < 0.05 * planted, "nothing is known");
+    }
+    let radial = fitted(&scene, SHARED, Kind::Edge);
+    println!("chi2 {} with a radial lobe {}", found.chi2, radial.chi2);
+    assert!(radial.chi2 > 2.0 * found.chi2);
+}
+
 /// The right terms are found if the photographs can show them: distances of 150 and 300 mm
 /// distinguish eq1 from angular.
 #[test]
@@ -206,7 +238,7 @@ fn selection_finds_the_planted_terms() {
         (Kernel::Shift, 1.0),
         (Kernel::Lobe, 2.5),
     ] {
-        for shape in LobeShape::ALL {
+        for shape in LobeShape::COMPARED {
             let truth = truth(kernel, shape, a, 0.35, 0.6);
             let incidence = [0.0, 25.0];
             let table = table(&truth, &incidence, 20.0);
@@ -214,7 +246,7 @@ fn selection_finds_the_planted_terms() {
                 &params(11, truth, &incidence, &[150.0, 300.0], camera(4e4)),
                 &table,
             );
-            let selection = select(&scene, Kind::Mtf, &everything, &Watch::NOBODY).unwrap();
+            let selection = select(&scene, Kind::Mtf, &everything, &Progress::SILENT).unwrap();
             // A parameter that was left out has a bound in the direction in which its blur
             // vanishes.
             let bound = absent(&scene, &selection, 1.0);

@@ -6,8 +6,8 @@ use edges::names::LobeShape;
 use estimator::compare::Weights;
 use estimator::estimate::Choice;
 use estimator::estimate::Loss;
+use estimator::estimate::Progress;
 use estimator::estimate::Scene;
-use estimator::estimate::Watch;
 use estimator::estimate::optimum::optimum;
 use estimator::estimate::{Estimate, estimate};
 use estimator::estimate::{RANDOMISATIONS, Renders};
@@ -136,9 +136,9 @@ fn curves_are_those_of_the_closed_form() {
             }
         }
     }
-    // Two photographs, two sequences, two shapes. eq1 and angular have two derivatives, shift and
+    // Two photographs, two sequences, three shapes. eq1 and angular have two derivatives, shift and
     // lobe have one.
-    assert_eq!(cases, 2 * 2 * 2 * (3 + 3 + 2 + 2));
+    assert_eq!(cases, 2 * 2 * 3 * (3 + 3 + 2 + 2));
 }
 
 /// The gradient of the sampled sum of squares matches differences of that sum with the same
@@ -224,7 +224,7 @@ fn estimates_land_on_the_closed_form_within_their_sampling_error() {
                 ..renders(&scene, &table, sampling)
             };
             let (fit, _) = renders
-                .estimate(choice, &Watch::NOBODY)
+                .estimate(choice, &Progress::SILENT)
                 .expect("the table has the directions");
             assert!(fit.solution.iterations < 200, "{}", fit.solution.iterations);
             let own = fit.sampling.as_ref().expect("samples were drawn");

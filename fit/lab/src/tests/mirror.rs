@@ -9,7 +9,7 @@ use crate::study::trial::{campaign, source};
 use crate::tracer::{AXIS_DEG, AZIMUTH_DEG, C_MM, INCIDENCE_DEG, Traced, rms, sheet, traced};
 use edges::names::Kernel;
 use estimator::estimate::campaign::campaign as estimated;
-use estimator::estimate::{Candidates, Estimated, Options, Verdict, Watch};
+use estimator::estimate::{Candidates, Estimated, Options, Progress, Verdict};
 
 /// A campaign of oblique edges, seen in the mirror or straight.
 fn oblique(seen_in_mirror: bool) -> Params {
@@ -95,7 +95,7 @@ fn estimate_of(
         ..Candidates::proposed()
     });
     let photographs = source(planted, noisy);
-    estimated(&stated, &photographs, &table, &options, &Watch::NOBODY).unwrap()
+    estimated(&stated, &photographs, &table, &options, &Progress::SILENT).unwrap()
 }
 
 /// Returns the warning about the key.

@@ -12,7 +12,7 @@ use crate::tests::azimuth::all_azimuths;
 use crate::tests::statistics::check;
 use edges::names::{Kernel, LobeShape, ParameterId};
 use estimator::estimate::campaign::campaign as estimated;
-use estimator::estimate::{Candidates, Options, Watch};
+use estimator::estimate::{Candidates, Options, Progress};
 use estimator::predict::{Places, Prediction, Viewpoint, predict, remarks};
 use estimator::result::{Number, Parameter, ResultFile, TableResult};
 
@@ -406,7 +406,7 @@ fn statistics_of_predictions() {
         });
         let photographs = source(&params, photograph);
         let campaign = campaign(&params, &[]);
-        let found = estimated(&campaign, &photographs, &table, &options, &Watch::NOBODY);
+        let found = estimated(&campaign, &photographs, &table, &options, &Progress::SILENT);
         let found = ResultFile::new(&found.unwrap(), TableResult::of(&table), 0.0);
         let shared = |value: f64| {
             Parameter::Shared(Number {

@@ -2,7 +2,7 @@
 
 use crate::planted::{SHARED, camera, fitted, params, scene, table, truth};
 use edges::names::{Kernel, LobeShape};
-use estimator::estimate::choice::Choice;
+use estimator::estimate::layout::Choice;
 use estimator::estimate::loss::Kind;
 use estimator::estimate::select::*;
 
@@ -20,7 +20,7 @@ fn a_misfit_raises_what_a_mu_of_each_incidence_has_to_bring() {
         &of_ideal,
     );
     for shot in &mut scene.shots {
-        shot.facing.returned.retroreflected *= [1.1, 1.0][shot.group];
+        shot.direction.returned.retroreflected *= [1.1, 1.0][shot.group];
     }
     let choice = Choice {
         per_angle_mu: true,

@@ -15,7 +15,7 @@ use edges::photographs::photo::transfer::Transfer;
 use edges::photographs::{Campaign, captures};
 use estimator::estimate::campaign::campaign;
 use estimator::estimate::{
-    Candidates, Error, Estimated, Kind, Options, OtherTable, Scene, Step, Verdict, Watch,
+    Candidates, Error, Estimated, Kind, Options, OtherTable, Progress, Scene, Step, Verdict,
 };
 use tables::Table;
 
@@ -44,7 +44,7 @@ fn found(
     let mut manifest = manifest_of(shots, &[]);
     mistake(&mut manifest);
     let photographs = source_of(shots, photograph::saved);
-    campaign(&manifest, &photographs, table, options, &Watch::NOBODY)
+    campaign(&manifest, &photographs, table, options, &Progress::SILENT)
 }
 
 fn eq1() -> Options {
@@ -137,17 +137,17 @@ fn suspects_are_reported_and_can_be_cancelled() {
     let photographs = source_of(&shots, photograph::saved);
     for cancels in [false, true] {
         let (cancel, told) = (AtomicBool::new(false), Mutex::new(Vec::new()));
-        let progress = |step: Step| {
+        let report = |step: Step| {
             if let Step::Suspects { done, of } = step {
                 told.lock().unwrap().push((done, of));
                 cancel.fetch_or(cancels, Ordering::Relaxed);
             }
         };
-        let watch = Watch {
-            progress: Some(&progress),
+        let progress = Progress {
+            report: Some(&report),
             cancel: Some(&cancel),
         };
-        let found = campaign(&manifest, &photographs, &of_ideal, &eq1(), &watch);
+        let found = campaign(&manifest, &photographs, &of_ideal, &eq1(), &progress);
         let mut told = told.into_inner().unwrap();
         told.sort_unstable();
         let of = told.last().unwrap().1;
@@ -528,7 +528,7 @@ fn srgb_in_16_bits_taken_for_linear_is_named() {
             shot.image = stored(&shot.image, to);
         }
         let load = captures::Shot::load;
-        let found = campaign(&manifest, &load, &of_ideal, &eq1(), &Watch::NOBODY).unwrap();
+        let found = campaign(&manifest, &load, &of_ideal, &eq1(), &Progress::SILENT).unwrap();
         println!("{to:?}: {:?} {:?}", found.goodness, found.suspects);
         if to == Transfer::Linear {
             assert_eq!(found.goodness.verdict, Verdict::Good);

@@ -9,7 +9,7 @@ use edges::names::LobeShape;
 use edges::names::Spectrum;
 use estimator::estimate::Candidates;
 use estimator::estimate::Kind;
-use estimator::estimate::Watch;
+use estimator::estimate::Progress;
 use estimator::estimate::select::select;
 use estimator::model::Fault;
 use estimator::model::wave;
@@ -451,7 +451,7 @@ fn planted_campaigns_are_recovered() {
         );
         let scene = scene(&campaign, &table);
         for kind in [Kind::Mtf, Kind::Edge] {
-            let found = select(&scene, kind, &auto, &Watch::NOBODY).unwrap().best;
+            let found = select(&scene, kind, &auto, &Progress::SILENT).unwrap().best;
             println!(
                 "{c} {lines}: {:?} {:?} chi2 {:.1} of {}",
                 found.choice.kernel, found.c_mm, found.chi2, found.residuals

@@ -246,7 +246,7 @@ fn end_of_lobe(shape: LobeShape, lost: f64) -> f64 {
 /// Waves have a cone there, which no polynomial follows. So the grid holds the transform divided
 /// by a cone of this slope.
 pub(crate) fn kink(sheet: &Fitted<'_>) -> Result<f64, PredictError> {
-    if sheet.result.kernel != Kernel::Wave {
+    if !sheet.result.kernel.has_waves() {
         return Ok(0.0);
     }
     let spectrum = sheet.result.wavelength_nm.as_ref();

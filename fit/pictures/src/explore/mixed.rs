@@ -435,7 +435,7 @@ fn spread_of(mut spectrum: Vec<Complex64>) -> Vec<f64> {
 fn core(mixed: &Mixed<'_>, blur: &Blur, place: &Viewpoint) -> f64 {
     let result = mixed.sheet.result;
     match &result.wavelength_nm {
-        Some(spectrum) if result.kernel == Kernel::Wave => {
+        Some(spectrum) if result.kernel.has_waves() => {
             let lines = spectrum.lines().iter().map(|line| line.wavelength_nm);
             blur.c_mm / (lines.fold(0.0, f64::max) * 1e-6 * place.r_mm)
         }

@@ -105,6 +105,8 @@ struct Values {
 /// Transfer of the lobe with a = 1/mm at evenly spaced frequencies.
 #[derive(Serialize)]
 struct LobeData {
+    /// Distance that holds all light but the share [`TAIL`], mm.
+    reach: f64,
     step: f64,
     values: Vec<f64>,
 }
@@ -283,18 +285,19 @@ fn values(result: &ResultFile) -> Values {
     }
 }
 
-/// Returns the transfer of a lobe; `None` for the separable one, which the page computes itself,
-/// and for kernels without a lobe.
+/// Returns the transfer of a round lobe; `None` for the separable one, which the page computes
+/// itself, and for kernels without a lobe.
 fn table_of(kernel: Kernel, lobe: Option<LobeShape>) -> Option<LobeData> {
     // A cubic through points of this step errs by 0.0157^4 x 260 x 9/384 = 4e-7 for the radial
     // lobe, whose fourth derivative by 2 pi f is at most 260.
     const STEP: f64 = 0.0025;
     const END: f64 = 3.5;
-    let shape = lobe.filter(|&lobe| kernel.has_lobe() && lobe != LobeShape::Separable)?;
+    let shape = lobe.filter(|&lobe| kernel.has_lobe() && lobe.is_round())?;
     let count = (END / STEP) as usize;
     let at = |k: usize| shape.otf(1.0, STEP * k as f64, [1.0, 0.0]).0;
     let digits = |value: f64| (value * 1e7).round() / 1e7;
     Some(LobeData {
+        reach: shape.reach_mm(1.0, TAIL),
         step: STEP,
         values: (0..=count).map(|k| digits(at(k))).collect(),
     })

@@ -212,10 +212,7 @@ fn finest(
 
 /// Returns whether the blur is the shift of rays, with or without a lobe.
 fn shifts_rays(sheet: &Fitted<'_>) -> bool {
-    matches!(
-        sheet.result.kernel,
-        Kernel::Eq1 | Kernel::Angular | Kernel::Shift
-    )
+    sheet.result.kernel.shifts_rays()
 }
 
 /// Returns the error that the search makes small: that of a pixel and that of a weight.

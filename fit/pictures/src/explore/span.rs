@@ -39,7 +39,7 @@ pub(crate) struct Fineness {
 impl Fineness {
     /// Returns the fineness with which the search begins.
     pub(crate) fn first(sheet: &Fitted<'_>) -> Fineness {
-        let waves = sheet.result.kernel == Kernel::Wave;
+        let waves = sheet.result.kernel.has_waves();
         Fineness {
             incidence_deg: 5.0,
             azimuth_deg: if waves { 6.0 } else { 10.0 },

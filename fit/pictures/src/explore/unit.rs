@@ -11,7 +11,7 @@ impl UnitSheet {
     /// Takes the shift or the waves of a result.
     pub(crate) fn of(result: &ResultFile) -> UnitSheet {
         let kernel = match result.kernel {
-            Kernel::Eq1 | Kernel::Angular | Kernel::Shift => Kernel::Shift,
+            kernel if kernel.shifts_rays() => Kernel::Shift,
             other => other,
         };
         let c_mm = Some(Number {
@@ -51,7 +51,7 @@ pub(crate) fn shifts(kernel: Kernel) -> bool {
 ///
 /// Waves are not taken apart into shifts along the sheet: for them it is 1.
 pub(crate) fn tilt(kernel: Kernel, incidence_deg: f64) -> f64 {
-    match shifts(kernel) && kernel != Kernel::Wave {
+    match kernel.shifts_rays() {
         true => incidence_deg.to_radians().cos(),
         false => 1.0,
     }

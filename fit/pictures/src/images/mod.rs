@@ -4,16 +4,16 @@
 
 mod exposure;
 mod plane;
+mod progress;
 pub mod render;
 mod sheet;
 mod spot;
-mod watch;
 
 pub use exposure::automatic;
+pub use progress::{RenderProgress, RenderStep, SILENT};
 pub use render::Scale;
 #[cfg(test)]
 pub(crate) use render::viewed;
 #[cfg(test)]
 pub(crate) use spot::{Sampler, Spot};
 pub use spot::{Sheet, TAIL, Viewpoint};
-pub use watch::{Part, UNWATCHED, Watch};

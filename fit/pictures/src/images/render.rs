@@ -14,11 +14,11 @@ use std::path::PathBuf;
 use crate::images::render::psf::{LARGEST, Psf};
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
-use crate::images::render::view::{CameraView, Seen};
+use crate::images::render::view::{CameraView, PixelView};
 use rayon::prelude::*;
 
+use crate::images::progress::{Pieces, RenderProgress};
 use crate::images::spot::{Sheet, Viewpoint};
-use crate::images::watch::{Pieces, Watch};
 use edges::photographs::photo::picture::Picture;
 
 /// Reason why an image cannot be made.
@@ -112,7 +112,7 @@ pub fn uniform_psf(sheet: &dyn Sheet, place: &Viewpoint, scale: &Scale) -> Resul
 /// This is the far field: every pixel is seen at the same incidence and distance. The sum of each
 /// colour plane is the energy times that of the source, except for the light that is blurred past
 /// the frame.
-pub fn uniform(source: &Picture, psf: &Psf, watch: Watch<'_>) -> Picture {
+pub fn uniform(source: &Picture, psf: &Psf, progress: RenderProgress<'_>) -> Picture {
     let energy = psf.energy.unwrap_or(1.0) as f32;
     let size = [source.width, source.height];
     let planes = if energy == 0.0 {
@@ -125,7 +125,7 @@ pub fn uniform(source: &Picture, psf: &Psf, watch: Watch<'_>) -> Picture {
             .iter_mut()
             .for_each(|weight| *weight *= energy);
         let weights = convolver.weights(&scaled);
-        let pieces = Pieces::new(watch, "colours", source.planes.len());
+        let pieces = Pieces::new(progress, "colours", source.planes.len());
         let planes = source.planes.iter();
         planes
             .map(|plane| {
@@ -157,12 +157,12 @@ pub fn viewed(
     view: &CameraView,
     half_mirror: f64,
     tolerance: f64,
-    watch: Watch<'_>,
+    progress: RenderProgress<'_>,
 ) -> Result<(Picture, Tiles), Error> {
     let size = [source.width, source.height];
     let seen = seen_by(view, source);
-    let tiles = Tiles::new(size, tolerance, watch, |at| -> Result<Psf, Error> {
-        let Seen {
+    let tiles = Tiles::new(size, tolerance, progress, |at| -> Result<Psf, Error> {
+        let PixelView {
             place,
             pixels_from_mm,
             ..
@@ -170,7 +170,7 @@ pub fn viewed(
         let psf = Psf::new(sheet, &place, pixels_from_mm);
         psf.map_err(|error| Error::Pixel(at.map(|side| side.max(0.0)), Box::new(error)))
     })?;
-    let mut planes = tiles.render(&source.planes, size, watch);
+    let mut planes = tiles.render(&source.planes, size, progress);
     coat(&mut planes, source, view, half_mirror)?;
     let image = Picture {
         planes,
@@ -184,7 +184,7 @@ pub fn viewed(
 fn seen_by<'a>(
     view: &'a CameraView,
     source: &Picture,
-) -> impl Fn([f64; 2]) -> Result<Seen, Error> + Sync + use<'a> {
+) -> impl Fn([f64; 2]) -> Result<PixelView, Error> + Sync + use<'a> {
     let middle = middle(source);
     move |[x, y]| view.at([x - middle[0], y - middle[1]])
 }
@@ -213,7 +213,7 @@ fn coat(
         let rows = plane.par_chunks_exact_mut(source.width).enumerate();
         rows.try_for_each(|(y, row)| -> Result<(), Error> {
             for (x, value) in row.iter_mut().enumerate() {
-                let Seen {
+                let PixelView {
                     place, mirrored, ..
                 } = seen([x as f64, y as f64])?;
                 if let Some([column, row]) = mirrored {

@@ -7,14 +7,12 @@ use tables::Direction;
 
 use crate::images::plane::ShiftPlane;
 use crate::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
-use edges::names::Kernel;
 use edges::names::LobeShape;
 use estimator::model::Baseline;
 use estimator::model::Blur;
 use estimator::model::wave;
 use estimator::predict::Error;
 use estimator::predict::Fitted;
-use estimator::samples::LobeSampler;
 use estimator::samples::ShiftSampler;
 use estimator::samples::has_samples;
 use tables::WaveLine;
@@ -33,13 +31,12 @@ impl Sheet for Fitted<'_> {
         };
         let cosine = place.incidence_deg.to_radians().cos();
         let kernel = self.result.kernel;
-        let shifts = kernel.has_c() && kernel != Kernel::Wave && !kernel.is_baseline();
-        let direction = if shifts {
+        let direction = if kernel.shifts_rays() {
             direction.seen_from(place.r_mm, blur.c_mm, cosine)?
         } else {
             direction
         };
-        let shift = (shifts && returns)
+        let shift = (kernel.shifts_rays() && returns)
             .then(|| ShiftPlane::new(&direction, cosine, blur.c_mm, finest_per_mm));
         let shape = self.result.lobe.unwrap_or(LobeShape::Radial);
         let lobe = kernel
@@ -104,7 +101,7 @@ impl FittedSpot<'_> {
     fn end(&self) -> f64 {
         let result = self.sheet.result;
         match &result.wavelength_nm {
-            Some(spectrum) if result.kernel == Kernel::Wave => {
+            Some(spectrum) if result.kernel.has_waves() => {
                 let lines = spectrum.lines().iter().map(|line| line.wavelength_nm);
                 let shortest_mm = lines.fold(f64::INFINITY, f64::min) * 1e-6;
                 WaveLine::highest_frequency(
@@ -139,7 +136,7 @@ impl FittedSpot<'_> {
             return Ok(reach(tangential).max(reach(sagittal)));
         }
         let shift = self.shift.as_ref().map_or(0.0, ShiftPlane::reach_mm);
-        if self.sheet.result.kernel == Kernel::Wave {
+        if self.sheet.result.kernel.has_waves() {
             let cosine = self.place.incidence_deg.to_radians().cos();
             let plane = ShiftPlane::new(&self.direction, cosine, self.blur.c_mm, 0.0);
             let mut kink: f64 = 0.0;
@@ -175,7 +172,7 @@ impl Spot for FittedSpot<'_> {
         if let (Some(facets), Some((shape, _))) = (self.facets(normal), self.lobe) {
             return facets.otf(shape, self.blur, self.place.r_mm, modulus)[0];
         }
-        if self.sheet.result.kernel == Kernel::Wave {
+        if self.sheet.result.kernel.has_waves() {
             // `reach` has prepared both axes. A line fails only where they fail too.
             return self.wave(normal).map_or(Complex64::ZERO, |line| {
                 line.otf(self.blur.c_mm, self.place.r_mm, modulus).0.into()
@@ -203,7 +200,7 @@ impl Spot for FittedSpot<'_> {
             Some(_) => Some(ShiftSampler::new(&self.direction)?),
             None => None,
         };
-        let lobe = self.lobe.map(|(shape, a)| (LobeSampler::new(shape), a));
+        let lobe = self.lobe;
         let c_mm = self.blur.c_mm;
         let tangential_mm = c_mm * self.place.incidence_deg.to_radians().cos();
         Some(Box::new(move |[u, v, w, z]| {
@@ -213,8 +210,8 @@ impl Spot for FittedSpot<'_> {
                 let [along, across] = shift.at([u, v]).shift;
                 at = [tangential_mm * along, c_mm * across];
             }
-            if let Some((lobe, a)) = &lobe {
-                let [along, across] = lobe.at([w, z]);
+            if let Some((lobe, a)) = lobe {
+                let [along, across] = lobe.offset([w, z]);
                 at = [at[0] + along / a, at[1] + across / a];
             }
             at

@@ -4,7 +4,7 @@
 use crate::images::render::sampled;
 use crate::images::render::view::CameraView;
 use crate::images::viewed;
-use crate::images::{Sheet, Spot, UNWATCHED, Viewpoint};
+use crate::images::{SILENT, Sheet, Spot, Viewpoint};
 use edges::photographs::photo::picture::Picture;
 use edges::photographs::photo::transfer::Transfer;
 use estimator::predict::Error;
@@ -163,8 +163,8 @@ fn the_mirrored_picture_is_where_a_mirror_shows_it_and_as_bright() {
         };
         let coated = view(scene, true);
         let by_transforms =
-            viewed(&source, &Dark, &coated, HALF_MIRROR, 0.01, UNWATCHED).expect("it is seen");
-        let by_samples = sampled::viewed(&source, &Dark, &coated, HALF_MIRROR, sampling, UNWATCHED);
+            viewed(&source, &Dark, &coated, HALF_MIRROR, 0.01, SILENT).expect("it is seen");
+        let by_samples = sampled::viewed(&source, &Dark, &coated, HALF_MIRROR, sampling, SILENT);
         for image in [by_transforms.0, by_samples.expect("it is seen").image] {
             let (mut sum, mut first) = (0.0, [0.0; 2]);
             for (pixel, &value) in image.planes[0].iter().enumerate() {
@@ -186,7 +186,7 @@ fn the_mirrored_picture_is_where_a_mirror_shows_it_and_as_bright() {
             &view(scene, false),
             HALF_MIRROR,
             0.01,
-            UNWATCHED,
+            SILENT,
         )
         .expect("seen");
         assert!(bare.0.planes[0].iter().all(|&value| value == 0.0));

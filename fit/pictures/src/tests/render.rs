@@ -9,7 +9,7 @@ use crate::images::render;
 use crate::images::render::psf::Psf;
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
-use crate::images::{Sampler, Sheet, Spot, TAIL, UNWATCHED, Viewpoint};
+use crate::images::{SILENT, Sampler, Sheet, Spot, TAIL, Viewpoint};
 use edges::names::Kernel;
 use edges::names::LobeShape;
 use edges::photographs::photo::picture::{Picture, Writing};
@@ -278,7 +278,7 @@ fn energy_is_kept_by_every_kernel() {
         let total: f64 = psf.weights.iter().map(|&w| f64::from(w)).sum();
         // 1e5 weights, each rounded to 6e-8 of itself, and the rounding of the transform.
         assert!((total - 1.0).abs() < 1e-5, "{kernel}: {total}");
-        let image = render::uniform(&source, &psf, UNWATCHED);
+        let image = render::uniform(&source, &psf, SILENT);
         for (plane, own) in image.planes.iter().zip(&source.planes) {
             let kept = sum(plane) / (energy * sum(own));
             // The tails of both axes may leave the frame. 60 pixels are 4.8 mm; 2 % of a separable
@@ -308,7 +308,7 @@ fn the_bytes_do_not_depend_on_the_threads() {
             .unwrap();
         pool.install(|| {
             let psf = Psf::new(&Squares, &place(5.0, 1.0), PIXELS).unwrap();
-            render::uniform(&source, &psf, UNWATCHED)
+            render::uniform(&source, &psf, SILENT)
         })
     };
     let (one, three) = (render(1), render(3));
@@ -328,13 +328,13 @@ fn tiles_meet_every_pixels_own_weights() {
         Psf::new(&Squares, &place(3.0 + 0.05 * x, 0.01 * y), PIXELS)
     };
     let tolerance = 0.01;
-    let tiles = Tiles::new(size, tolerance, UNWATCHED, at).unwrap();
+    let tiles = Tiles::new(size, tolerance, SILENT, at).unwrap();
     assert!(
         tiles.error <= tolerance && tiles.counts()[0] > 1,
         "{:?}",
         tiles.counts()
     );
-    let images = tiles.render(&source.planes, size, UNWATCHED);
+    let images = tiles.render(&source.planes, size, SILENT);
     let (mut cases, mut worst) = (0, 0.0_f64);
     for y in 0..size[1] {
         for x in 0..size[0] {
@@ -373,14 +373,14 @@ fn tiles_of_one_blur_in_linear_light_are_exact() {
             ..one.clone()
         })
     };
-    let tiles = Tiles::new(size, 1e-3, UNWATCHED, at).unwrap();
+    let tiles = Tiles::new(size, 1e-3, SILENT, at).unwrap();
     println!("{:?} tiles", tiles.counts());
     assert!(
         tiles.counts()[0] == 4 && tiles.error < 1e-6,
         "{}",
         tiles.error
     );
-    let images = tiles.render(&source.planes, size, UNWATCHED);
+    let images = tiles.render(&source.planes, size, SILENT);
     let mut cases = 0;
     for (image, plane) in images.iter().zip(&source.planes) {
         for (i, &found) in image.iter().enumerate() {

@@ -4,10 +4,9 @@ use std::fmt::Write;
 
 use tables::cli as terminal;
 
-use crate::cli::terms::described;
 use edges::names::{ParameterId, ParameterKind};
 use estimator::estimate::Bound;
-use estimator::estimate::trusted_in_words;
+use estimator::estimate::unverified_in_words;
 use estimator::result::Truth;
 use estimator::result::{FitResult, Number, Parameter, ResultFile};
 
@@ -54,7 +53,7 @@ pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     for (id, bound) in &result.bounds {
         let _ = writeln!(text, "{}", bounded(*id, *bound));
     }
-    if let Some(said) = trusted_in_words(&result.trusted) {
+    if let Some(said) = unverified_in_words(&result.trusted) {
         let _ = writeln!(text, "{said}");
     }
     text
@@ -71,7 +70,7 @@ fn head(result: &ResultFile) -> String {
     format!(
         "model: {} (kernel {}{lobe})\n\
          fitted: {} photographs, table {}, loss {}{samples}; {} after {} evaluations, {:.2} s\n",
-        described(result.kernel),
+        result.kernel.description(),
         result.kernel.name(),
         result.captures.len(),
         terminal::in_a_line(&result.table.design),

@@ -1,14 +1,14 @@
 //! Warnings about an image that was rendered.
 
 use crate::cli::render::facts::range;
-use crate::cli::render::seen::Seen;
+use crate::cli::render::image::Rendered;
 use edges::photographs::photo::picture::{Picture, Writing};
 use estimator::predict::{Fitted, between};
 
 /// Returns the warnings about the source and its blur.
-pub(super) fn of_image(source: &Picture, seen: &Seen, sheet: &Fitted<'_>) -> Vec<String> {
+pub(super) fn of_image(source: &Picture, rendered: &Rendered, sheet: &Fitted<'_>) -> Vec<String> {
     let mut warnings = source.warnings.clone();
-    let spots = &seen.spots;
+    let spots = &rendered.spots;
     let [low, high] = range(spots, |spot| spot.place.incidence_deg);
     let at = if low == high {
         format!("{low} deg")
@@ -37,11 +37,11 @@ pub(super) fn of_image(source: &Picture, seen: &Seen, sheet: &Fitted<'_>) -> Vec
         let share = direction.ok().map(|own| (low, own.retroreflected));
         warnings.extend(share.and_then(|place| between(sheet, [place])));
     }
-    if seen.transfer_error > 1e-3 {
+    if rendered.transfer_error > 1e-3 {
         warnings.push(format!(
             "the blur is much finer than a pixel: the contrast of single pixels errs by up to \
             {:.1} %",
-            100.0 * seen.transfer_error
+            100.0 * rendered.transfer_error
         ));
     }
     warnings
@@ -75,10 +75,12 @@ const MUCH: f64 = 0.05;
 /// Returns the warning for light that falls outside of the picture.
 ///
 /// It is known where all pixels have one blur: what returns, and is not in the image.
-pub(super) fn beyond_the_rim(source: &Picture, seen: &Seen) -> Option<String> {
-    let [spot] = &seen.spots[..] else { return None };
+pub(super) fn beyond_the_rim(source: &Picture, rendered: &Rendered) -> Option<String> {
+    let [spot] = &rendered.spots[..] else {
+        return None;
+    };
     let returned = spot.energy.unwrap_or(1.0) * source.mean_luminance();
-    let lost = 1.0 - seen.image.mean_luminance() / returned;
+    let lost = 1.0 - rendered.image.mean_luminance() / returned;
     (returned > 0.0 && lost > MUCH).then(|| {
         format!(
             "{:.0} % of the light falls beyond the rim of the picture, and is not in the image; \
@@ -116,7 +118,7 @@ mod tests {
             transfer: Transfer::Linear,
             warnings: Vec::new(),
         };
-        let seen = |light: f32| Seen {
+        let rendered = |light: f32| Rendered {
             image: grey(light),
             spots: vec![Spotted {
                 place: Viewpoint {
@@ -131,8 +133,8 @@ mod tests {
             tiles: None,
             sampling_error: None,
         };
-        let said = beyond_the_rim(&grey(0.5), &seen(0.6 * 0.125)).expect("it is much");
+        let said = beyond_the_rim(&grey(0.5), &rendered(0.6 * 0.125)).expect("it is much");
         assert!(said.starts_with("40 % of the light"), "{said}");
-        assert_eq!(beyond_the_rim(&grey(0.5), &seen(0.96 * 0.125)), None);
+        assert_eq!(beyond_the_rim(&grey(0.5), &rendered(0.96 * 0.125)), None);
     }
 }

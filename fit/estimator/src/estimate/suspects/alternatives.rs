@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use crate::estimate::choice::Choice;
-use crate::estimate::placed::{OtherIndex, Placed};
+use crate::estimate::layout::Choice;
+use crate::estimate::perturbed::{Conditions, OtherIndex};
+use crate::estimate::progress::Progress;
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::select::CLEAR;
 use crate::estimate::suspects::{Alternative, Otherwise, SURE, Search};
-use crate::estimate::watch::Watch;
 use edges::names::{Kernel, LobeShape};
 use edges::photographs::photo::transfer::Transfer;
 
@@ -26,7 +26,7 @@ impl Search<'_> {
         self.of_another_sheet(&mut stated);
         self.at_other_distances(&mut stated);
         let scenes = stated.into_par_iter().filter_map(|own| {
-            let scene = self.scene.placed(own.table, own.index, &own.placed);
+            let scene = self.scene.perturbed(own.table, own.index, &own.conditions);
             Some(self.alternative(own.what, own.captures, scene.ok()?))
         });
         let mut all: Vec<Alternative> = scenes.collect();
@@ -35,17 +35,17 @@ impl Search<'_> {
         all
     }
 
-    /// Adds the photographs placed otherwise, if that changes any.
+    /// Adds the photographs under other conditions, if that changes any.
     fn add<'s>(
         &'s self,
         all: &mut Vec<Otherwise<'s>>,
         what: String,
-        placed: &dyn Fn(&Aerial) -> Placed,
+        conditions: &dyn Fn(&Aerial) -> Conditions,
         index: Option<OtherIndex>,
     ) {
         let shots = &self.scene.shots;
-        let before: Vec<Placed> = shots.iter().map(Aerial::placed).collect();
-        let after: Vec<Placed> = shots.iter().map(placed).collect();
+        let before: Vec<Conditions> = shots.iter().map(Aerial::conditions).collect();
+        let after: Vec<Conditions> = shots.iter().map(conditions).collect();
         let pairs = before.iter().zip(&after).zip(shots);
         let changed: Vec<String> = pairs
             .filter(|((before, after), _)| before != after)
@@ -64,26 +64,26 @@ impl Search<'_> {
             captures,
             table: self.table,
             index,
-            placed: after,
+            conditions: after,
         });
     }
 
-    /// Adds the photographs with one of them placed otherwise, if that changes it.
+    /// Adds the photographs with one of them under other conditions, if that changes it.
     fn add_one<'s>(
         &'s self,
         all: &mut Vec<Otherwise<'s>>,
         what: String,
         image: &str,
-        place: &dyn Fn(&mut Placed),
+        place: &dyn Fn(&mut Conditions),
     ) {
-        let placed = |shot: &Aerial| {
-            let mut placed = shot.placed();
+        let conditions = |shot: &Aerial| {
+            let mut conditions = shot.conditions();
             if shot.image == image {
-                place(&mut placed);
+                place(&mut conditions);
             }
-            placed
+            conditions
         };
-        self.add(all, what, &placed, None);
+        self.add(all, what, &conditions, None);
     }
 
     /// Returns the number of the photograph with the largest misfit; `None` if that is the
@@ -140,14 +140,14 @@ impl Search<'_> {
         if let [own] = scene.groups[..] {
             let axis = self.table.axes.incidence_deg.iter();
             for &deg in axis.filter(|&&deg| deg != own) {
-                let placed = |shot: &Aerial| Placed {
+                let conditions = |shot: &Aerial| Conditions {
                     incidence_deg: deg,
-                    ..shot.placed()
+                    ..shot.conditions()
                 };
                 self.add(
                     all,
                     format!("the incidence is {deg}, not {own} deg"),
-                    &placed,
+                    &conditions,
                     None,
                 );
             }
@@ -159,12 +159,12 @@ impl Search<'_> {
         };
         for (i, &a) in scene.groups.iter().enumerate() {
             for &b in &scene.groups[i + 1..] {
-                let placed = |shot: &Aerial| Placed {
+                let conditions = |shot: &Aerial| Conditions {
                     incidence_deg: swapped(shot.incidence_deg, [a, b]),
-                    ..shot.placed()
+                    ..shot.conditions()
                 };
                 let what = format!("the incidences {a} and {b} deg are exchanged");
-                self.add(all, what, &placed, None);
+                self.add(all, what, &conditions, None);
             }
         }
         for pair in self.pairs() {
@@ -175,8 +175,8 @@ impl Search<'_> {
         };
         for &deg in &scene.groups {
             let what = format!("the incidence of {} is {deg} deg", worst.image);
-            self.add_one(all, what, &worst.image, &|placed| {
-                placed.incidence_deg = deg;
+            self.add_one(all, what, &worst.image, &|conditions| {
+                conditions.incidence_deg = deg;
             });
         }
     }
@@ -185,22 +185,22 @@ impl Search<'_> {
     /// matter.
     fn exchange<'s>(&'s self, all: &mut Vec<Otherwise<'s>>, pair: [usize; 2]) {
         let [one, other] = pair.map(|number| &self.scene.shots[number]);
-        let mut add = |what: &str, take: fn(&mut Placed, Placed)| {
-            let placed = |shot: &Aerial| {
-                let mut placed = shot.placed();
+        let mut add = |what: &str, take: fn(&mut Conditions, Conditions)| {
+            let conditions = |shot: &Aerial| {
+                let mut conditions = shot.conditions();
                 match &shot.image {
-                    image if *image == one.image => take(&mut placed, other.placed()),
-                    image if *image == other.image => take(&mut placed, one.placed()),
+                    image if *image == one.image => take(&mut conditions, other.conditions()),
+                    image if *image == other.image => take(&mut conditions, one.conditions()),
                     _ => {}
                 }
-                placed
+                conditions
             };
             let [first, second] = [one, other].map(|shot| {
                 let (deg, mm) = (shot.incidence_deg, shot.r_mm);
                 format!("{} ({deg} deg, {mm} mm)", shot.image)
             });
             let what = format!("{what} {first} and {second} are exchanged");
-            self.add(all, what, &placed, None);
+            self.add(all, what, &conditions, None);
         };
         let deg_differ = one.incidence_deg != other.incidence_deg;
         if deg_differ {
@@ -229,9 +229,9 @@ impl Search<'_> {
 
     /// Adds turned axes, other azimuths, and the other view of the sheet.
     pub(super) fn turned<'s>(&'s self, all: &mut Vec<Otherwise<'s>>) {
-        let axis = |shot: &Aerial| Placed {
-            axis_turn_rad: shot.placed().axis_turn_rad + std::f64::consts::FRAC_PI_2,
-            ..shot.placed()
+        let axis = |shot: &Aerial| Conditions {
+            axis_turn_rad: shot.conditions().axis_turn_rad + std::f64::consts::FRAC_PI_2,
+            ..shot.conditions()
         };
         self.add(
             all,
@@ -239,9 +239,9 @@ impl Search<'_> {
             &axis,
             None,
         );
-        let view = |shot: &Aerial| Placed {
+        let view = |shot: &Aerial| Conditions {
             seen_in_mirror: !shot.seen_in_mirror,
-            ..shot.placed()
+            ..shot.conditions()
         };
         let seen = self
             .scene
@@ -255,15 +255,15 @@ impl Search<'_> {
         let period = 360.0 / f64::from(self.table.provenance.symmetry.rotations);
         let steps = (period / AZIMUTH_STEP_DEG).round() as usize;
         for by in (1..steps).map(|step| step as f64 * AZIMUTH_STEP_DEG) {
-            let placed = |shot: &Aerial| Placed {
-                azimuth_deg: shot.facing.azimuth_deg.map(|deg| deg + by),
-                ..shot.placed()
+            let conditions = |shot: &Aerial| Conditions {
+                azimuth_deg: shot.direction.azimuth_deg.map(|deg| deg + by),
+                ..shot.conditions()
             };
             let signed = if by > 0.5 * period { by - period } else { by };
             self.add(
                 all,
                 format!("the azimuth is off by {signed} deg"),
-                &placed,
+                &conditions,
                 None,
             );
         }
@@ -271,14 +271,14 @@ impl Search<'_> {
 
     /// Adds other tables, and other refractive indices.
     pub(super) fn of_another_sheet<'s>(&'s self, all: &mut Vec<Otherwise<'s>>) {
-        let placed: Vec<Placed> = self.scene.shots.iter().map(Aerial::placed).collect();
+        let conditions: Vec<Conditions> = self.scene.shots.iter().map(Aerial::conditions).collect();
         for other in self.others {
             all.push(Otherwise {
                 what: format!("the table of the sheet is {}", other.name),
                 captures: Vec::new(),
                 table: &other.table,
                 index: None,
-                placed: placed.clone(),
+                conditions: conditions.clone(),
             });
         }
         let own = self.table.provenance.refractive_index;
@@ -288,7 +288,7 @@ impl Search<'_> {
         {
             if let Some(other) = OtherIndex::of(self.table, index) {
                 let what = format!("the refractive index is {index}, not {own}");
-                self.add(all, what, &Aerial::placed, Some(other));
+                self.add(all, what, &Aerial::conditions, Some(other));
             }
         }
     }
@@ -299,15 +299,15 @@ impl Search<'_> {
             return;
         }
         for (factor, unit) in [(10.0, "cm"), (0.1, "tenths of a mm")] {
-            let placed = |shot: &Aerial| Placed {
+            let conditions = |shot: &Aerial| Conditions {
                 r_mm: factor * shot.r_mm,
-                ..shot.placed()
+                ..shot.conditions()
             };
             let what = format!("the floating distances are in {unit}, not in mm");
-            self.add(all, what, &placed, None);
+            self.add(all, what, &conditions, None);
             for Aerial { image, .. } in &self.scene.shots {
                 let what = format!("the floating distance of {image} is in {unit}");
-                self.add_one(all, what, image, &|placed| placed.r_mm *= factor);
+                self.add_one(all, what, image, &|conditions| conditions.r_mm *= factor);
             }
         }
     }
@@ -337,7 +337,8 @@ impl Search<'_> {
         for shot in campaign.reference.iter_mut().chain(shots) {
             shot.decode.transfer = Some(to);
         }
-        let Ok(scene) = Scene::watched(&campaign, self.table, self.photo, &Watch::NOBODY) else {
+        let Ok(scene) = Scene::reported(&campaign, self.table, self.photo, &Progress::SILENT)
+        else {
             return;
         };
         let other = scene
@@ -371,7 +372,7 @@ impl Search<'_> {
     /// Returns the kernels and lobes that were not among the candidates.
     pub(super) fn not_tried(&self) -> Vec<Alternative> {
         let kernels = [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe];
-        let pairs = LobeShape::ALL.into_iter();
+        let pairs = LobeShape::COMPARED.into_iter();
         let mut pairs: Vec<_> = pairs
             .flat_map(|shape| kernels.map(|kernel| (kernel, shape)))
             .collect();

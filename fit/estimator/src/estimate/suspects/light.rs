@@ -9,7 +9,7 @@ use crate::estimate::fitted::estimate;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{optimum, refined};
-use crate::estimate::placed::Placed;
+use crate::estimate::perturbed::Conditions;
 use crate::estimate::scene::Aerial;
 use crate::estimate::suspects::{Alternative, EXPLAINED, Named, Otherwise, SURE, Search, Suspect};
 use edges::numerics::chance;
@@ -78,12 +78,12 @@ impl Search<'_> {
         let agrees = |own: &Otherwise| {
             let is_own = std::ptr::eq(own.table, self.table);
             let mut groups = Vec::new();
-            for (shot, placed) in self.scene.shots.iter().zip(&own.placed) {
+            for (shot, conditions) in self.scene.shots.iter().zip(&own.conditions) {
                 let other = shares
-                    .of(own, is_own, placed)
+                    .of(own, is_own, conditions)
                     .filter(|&share| share > 0.0)?;
                 let value = mu[shot.group];
-                let share = shot.facing.returned.retroreflected;
+                let share = shot.direction.returned.retroreflected;
                 let ln = (value.value * share / other).ln();
                 groups.push((ln, value.standard_error / value.value));
             }
@@ -163,17 +163,17 @@ struct Shares(BTreeMap<[u64; 2], Option<f64>>);
 impl Shares {
     /// Returns the share for a photograph, or `None` if the table lacks its direction. `is_own`
     /// says whether the table is that of the estimate.
-    fn of(&mut self, own: &Otherwise, is_own: bool, placed: &Placed) -> Option<f64> {
-        let deg = placed.incidence_deg;
+    fn of(&mut self, own: &Otherwise, is_own: bool, conditions: &Conditions) -> Option<f64> {
+        let deg = conditions.incidence_deg;
         let held_deg = own.index.map_or(deg, |index| index.held_at_deg(deg));
         let look_up = || {
-            let found = own.table.direction(held_deg, placed.azimuth_deg);
+            let found = own.table.direction(held_deg, conditions.azimuth_deg);
             found.ok().map(|direction| direction.retroreflected)
         };
         if !is_own {
             return look_up();
         }
-        let azimuth = placed.azimuth_deg.map_or(u64::MAX, f64::to_bits);
+        let azimuth = conditions.azimuth_deg.map_or(u64::MAX, f64::to_bits);
         *self
             .0
             .entry([held_deg.to_bits(), azimuth])

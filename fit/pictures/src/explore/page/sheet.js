@@ -319,7 +319,8 @@ function lobe({ distance, incidence, spread, c }) {
     return { at, core: CUT / a, reach: 1 / (Math.PI * a * TAIL), end: a / Math.PI };
   }
   const at = (x, y) => tabulated(Math.hypot(x, y) / a);
-  return { at, core: CUT / a, reach: CUT / a, end: tableEnd() * a };
+  const reach = data.table.reach / a;
+  return { at, core: reach, reach, end: tableEnd() * a };
 }
 
 function tableEnd() {

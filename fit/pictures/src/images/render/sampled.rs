@@ -8,11 +8,11 @@
 
 use rayon::prelude::*;
 
+use crate::images::progress::{Pieces, RenderProgress};
 use crate::images::render::view;
 use crate::images::render::view::CameraView;
 use crate::images::render::{Error, Scale, bilinear, coat, seen_by};
 use crate::images::spot::{Sheet, Spot, Viewpoint};
-use crate::images::watch::{Pieces, Watch};
 use edges::photographs::photo::picture::Picture;
 use estimator::predict::Error as Unshown;
 use estimator::samples::Points;
@@ -172,7 +172,7 @@ pub fn uniform(
     place: &Viewpoint,
     scale: &Scale,
     sampling: Sampling,
-    watch: Watch<'_>,
+    progress: RenderProgress<'_>,
 ) -> Result<Sampled, Error> {
     let plan = Plan::new(sampling);
     let spot = sheet.spot(place, 0.0)?;
@@ -191,7 +191,7 @@ pub fn uniform(
         plan.nets.iter().map(draw).collect()
     };
     let pixels = (0..source.width * source.height).into_par_iter();
-    let rows = Pieces::new(watch, ROWS, source.height);
+    let rows = Pieces::new(progress, ROWS, source.height);
     let gathered = pixels.map(|pixel| {
         // Neighbouring pixels use blocks that are far apart. Every randomisation uses other blocks.
         let own = nets.iter().enumerate().map(|(k, net)| {
@@ -225,16 +225,16 @@ pub fn viewed(
     view: &CameraView,
     half_mirror: f64,
     sampling: Sampling,
-    watch: Watch<'_>,
+    progress: RenderProgress<'_>,
 ) -> Result<Sampled, Error> {
     let plan = Plan::new(sampling);
     let seen = seen_by(view, source);
     let pixels = (0..source.width * source.height).into_par_iter();
-    let rows = Pieces::new(watch, ROWS, source.height);
+    let rows = Pieces::new(progress, ROWS, source.height);
     let one = |pixel: usize| -> Result<(Gathered, Spotted), Error> {
         tell(&rows, source, pixel);
         let at = [pixel % source.width, pixel / source.width].map(|v| v as f64);
-        let view::Seen {
+        let view::PixelView {
             place,
             pixels_from_mm,
             ..

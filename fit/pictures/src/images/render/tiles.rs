@@ -11,10 +11,10 @@
 
 use rayon::prelude::*;
 
+use crate::images::progress::{Pieces, RenderProgress};
 use crate::images::render::Error;
 use crate::images::render::psf::Psf;
 use crate::images::render::transform::Convolver;
-use crate::images::watch::{Pieces, Watch};
 
 /// Greatest count of tiles along an axis.
 const MOST: usize = 64;
@@ -44,7 +44,7 @@ impl Tiles {
     pub(crate) fn new(
         size: [usize; 2],
         tolerance: f64,
-        watch: Watch<'_>,
+        progress: RenderProgress<'_>,
         at: impl Fn([f64; 2]) -> Result<Psf, Error> + Sync,
     ) -> Result<Tiles, Error> {
         let mut counts = [1, 1];
@@ -57,7 +57,7 @@ impl Tiles {
             let [columns, rows] = counts;
             let count = (columns + 1) * (rows + 1);
             let blurs = Pieces::new(
-                watch,
+                progress,
                 "blurs of corners and middles",
                 count + columns * rows,
             );
@@ -135,11 +135,11 @@ impl Tiles {
         &self,
         planes: &[Vec<f32>],
         [width, height]: [usize; 2],
-        watch: Watch<'_>,
+        progress: RenderProgress<'_>,
     ) -> Vec<Vec<f32>> {
         let mut images = vec![vec![0.0; width * height]; planes.len()];
         let [columns, rows] = self.counts();
-        let pieces = Pieces::new(watch, "tiles", columns * rows);
+        let pieces = Pieces::new(progress, "tiles", columns * rows);
         // Each tile is made independently. The tiles are then copied into the image in order.
         for row in 0..rows {
             let tiles = (0..columns).into_par_iter();

@@ -61,7 +61,7 @@ pub struct CameraView {
 
 /// View of one pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct PixelView {
     /// Incidence and azimuth on the sheet, and distance R.
     pub place: Viewpoint,
     /// Matrix that converts (tangential, sagittal) mm across the ray to (columns, rows).
@@ -130,7 +130,7 @@ impl CameraView {
     /// # Errors
     /// Returns an error if the camera lies in the plane of the image, if it sees the back of the
     /// sheet, and if the sheet is not behind the image.
-    pub fn at(&self, [column, row]: [f64; 2]) -> Result<Seen, Error> {
+    pub fn at(&self, [column, row]: [f64; 2]) -> Result<PixelView, Error> {
         let file = || self.file.clone();
         let plane = self.right.cross(&self.down);
         let point = self.centre + (self.right * column + self.down * row) * self.pitch_mm;
@@ -166,7 +166,7 @@ impl CameraView {
             [self.right, self.down].map(|axis| offset.dot(&axis) / self.pitch_mm)
         };
         let [t, s] = [tangential, sagittal].map(carried);
-        Ok(Seen {
+        Ok(PixelView {
             place: Viewpoint {
                 incidence_deg: sine.atan2(cosine).to_degrees(),
                 azimuth_deg: Some(azimuth.to_degrees()),

@@ -6,7 +6,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageFormat, Rgb, RgbImage};
 
 use crate::images::render::{uniform, uniform_psf};
-use crate::images::{Scale, UNWATCHED, Viewpoint, automatic};
+use crate::images::{SILENT, Scale, Viewpoint, automatic};
 use crate::report::page::markup::significant;
 use crate::report::page::shown::Page;
 use charts::escape;
@@ -50,7 +50,7 @@ pub(crate) fn figures(page: &Page) -> Option<String> {
     };
     let source = source()?;
     let psf = uniform_psf(&sheet, &place, &scale).ok()?;
-    let mut image = uniform(&source, &psf, UNWATCHED);
+    let mut image = uniform(&source, &psf, SILENT);
     if image.peak_luminance() <= 0.0 {
         return None;
     }

@@ -9,35 +9,6 @@ use estimator::result::{Candidate, Parameter, ResultFile, sharing};
 use crate::report::page::markup::{Row, grouped, table};
 use crate::report::page::shown::Page;
 
-/// Names the causes of blur of a kernel in words.
-pub(crate) fn in_words(kernel: Kernel, lobe: Option<LobeShape>) -> String {
-    let lobe = match lobe {
-        Some(shape) => format!("a {} lobe", shape.name()),
-        None => "a lobe".into(),
-    };
-    match kernel {
-        Kernel::Eq1 => {
-            format!("the ray shift and {lobe} whose width does not change with the distance")
-        }
-        Kernel::Angular => format!("the ray shift and {lobe} whose width grows with the distance"),
-        Kernel::Shift => "the ray shift alone".into(),
-        Kernel::Lobe => format!("{lobe} alone"),
-        Kernel::Wave => {
-            "wave optics, which computes ray shift and diffraction together from the size of the \
-             cubes and the wavelength of the light"
-                .into()
-        }
-        Kernel::Saito => format!("{lobe} of three rough facets (Saito et al. 2024)"),
-        Kernel::SaitoSurface => {
-            format!("{lobe} of a rough front face and three rough facets (Saito et al. 2024)")
-        }
-        Kernel::Guo => format!("{lobe} of a rough front face (Guo et al. 2018)"),
-        Kernel::Mrm => {
-            format!("{lobe} of rough facets that reflect light back (Portsmouth et al. 2026)")
-        }
-    }
-}
-
 /// Explains the model in sentences, with the words that they need.
 pub(crate) fn explained(kernel: Kernel, lobe: Option<LobeShape>) -> String {
     let effects = if kernel.is_baseline() {
@@ -50,18 +21,8 @@ pub(crate) fn explained(kernel: Kernel, lobe: Option<LobeShape>) -> String {
          small opening, such as that of a cube (diffraction): one ray becomes a spot of light, the \
          lobe."
     };
-    let shape = match lobe {
-        Some(LobeShape::Radial) => " A radial lobe is round.".to_owned(),
-        Some(LobeShape::Separable) => {
-            " A separable lobe is the product of one curve along each axis of the image.".to_owned()
-        }
-        Some(rough @ (LobeShape::Beckmann | LobeShape::Ggx)) => format!(
-            " The name {} stands for a standard formula for the slopes of a rough surface.",
-            rough.name()
-        ),
-        None => String::new(),
-    };
-    let model = in_words(kernel, lobe);
+    let model = kernel.causes(lobe);
+    let shape = lobe.map_or(String::new(), |shape| format!(" {}", shape.description()));
     format!("{effects} The model explains the blur by {model}.{shape}")
 }
 
@@ -133,7 +94,7 @@ pub(crate) fn section(page: &Page) -> String {
             out.push_str(&format!(
                 "<div><dt>{}</dt><dd>{}</dd></div>\n",
                 kernel.name(),
-                in_words(kernel, None)
+                kernel.causes(None)
             ));
         }
     }
@@ -154,7 +115,7 @@ fn why(result: &ResultFile, chosen: Option<usize>, least: f64) -> String {
     let model = format!(
         "A kernel is the set of causes of blur in a model. The kernel of this estimate is {}: {}.",
         result.kernel.name(),
-        in_words(result.kernel, result.lobe)
+        result.kernel.causes(result.lobe)
     );
     let candidates = &result.candidates;
     let Some(chosen) = chosen.map(|i| &candidates[i]) else {

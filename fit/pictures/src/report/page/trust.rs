@@ -2,7 +2,7 @@
 
 use crate::report::page::markup::{Row, significant, table};
 use charts::{escape, minus};
-use estimator::estimate::{Effect, Given, Trusted};
+use estimator::estimate::{Effect, Unverified, UnverifiedInput};
 use estimator::result::ResultFile;
 
 /// Columns of the table: the heading, and the effect that it shows.
@@ -23,7 +23,7 @@ pub(crate) fn part(result: &ResultFile) -> String {
     ];
     let mut head = vec!["taken on trust", "value", "if larger by"];
     head.extend(columns.iter().map(|(title, _)| *title));
-    let row = |entry: &Trusted| -> Row {
+    let row = |entry: &Unverified| -> Row {
         let value = |value| escape(&minus(significant(value, 4)));
         let mut cells = vec![
             named(entry.what).to_owned(),
@@ -50,17 +50,17 @@ pub(crate) fn part(result: &ResultFile) -> String {
 }
 
 /// Returns the name of an input for a reader.
-fn named(given: Given) -> &'static str {
+fn named(given: UnverifiedInput) -> &'static str {
     match given {
-        Given::PixelPitchMm => "pixel pitch (mm)",
-        Given::FloatingDistanceMm => "floating distances (mm)",
-        Given::HalfMirror => "half mirror (transmittance times reflectance)",
-        Given::ReferenceExposure => "exposure of the reference",
-        Given::WavelengthNm => "wavelengths (nm)",
-        Given::RefractiveIndex => "refractive index",
-        Given::IncidenceDeg => "incidence angles (\u{b0})",
-        Given::AzimuthDeg => "azimuths (\u{b0})",
-        Given::TangentialAxisDeg => "tangential axes (\u{b0})",
-        Given::Cell => "cell of the table",
+        UnverifiedInput::PixelPitchMm => "pixel pitch (mm)",
+        UnverifiedInput::FloatingDistanceMm => "floating distances (mm)",
+        UnverifiedInput::HalfMirror => "half mirror (transmittance times reflectance)",
+        UnverifiedInput::ReferenceExposure => "exposure of the reference",
+        UnverifiedInput::WavelengthNm => "wavelengths (nm)",
+        UnverifiedInput::RefractiveIndex => "refractive index",
+        UnverifiedInput::IncidenceDeg => "incidence angles (\u{b0})",
+        UnverifiedInput::AzimuthDeg => "azimuths (\u{b0})",
+        UnverifiedInput::TangentialAxisDeg => "tangential axes (\u{b0})",
+        UnverifiedInput::Cell => "cell of the table",
     }
 }

@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 
 use crate::images::render;
-use crate::images::{Scale, Sheet, Spot, UNWATCHED, Viewpoint};
+use crate::images::{SILENT, Scale, Sheet, Spot, Viewpoint};
 use crate::tests::render::result;
 use crate::tests::render::views::load;
 use edges::photographs::photo::picture::Picture;
@@ -125,11 +125,11 @@ fn pictures_are_those_of_the_tracer() {
             seen_in_mirror,
         };
         let psf = render::uniform_psf(&sheet, &place, &scale).unwrap();
-        render::uniform(&source, &psf, UNWATCHED)
+        render::uniform(&source, &psf, SILENT)
     };
     let viewed = |seen_in_mirror| {
         let view = load(&view_file(seen_in_mirror)).unwrap();
-        render::viewed(&source, &sheet, &view, 0.25, 0.01, UNWATCHED)
+        render::viewed(&source, &sheet, &view, 0.25, 0.01, SILENT)
             .unwrap()
             .0
     };

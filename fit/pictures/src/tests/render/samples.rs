@@ -4,7 +4,7 @@ use crate::images::Scale;
 use crate::images::render;
 use crate::images::render::sampled;
 use crate::images::render::sampled::Sampled;
-use crate::images::{Sampler, Sheet, Spot, UNWATCHED, Viewpoint};
+use crate::images::{SILENT, Sampler, Sheet, Spot, Viewpoint};
 use edges::names::Kernel;
 use edges::names::LobeShape;
 use edges::photographs::photo::picture::Picture;
@@ -68,7 +68,7 @@ fn samples_meet_the_transforms_within_their_error() {
         let place = place(150.0, 20.0);
         let psf = render::uniform_psf(&sheet, &place, &scale).unwrap();
         for source in [&point, &picture(width, height, 8)] {
-            let spectral = render::uniform(source, &psf, UNWATCHED);
+            let spectral = render::uniform(source, &psf, SILENT);
             for sequence in [Sequence::Sobol, Sequence::Independent] {
                 let Sampled {
                     image,
@@ -80,7 +80,7 @@ fn samples_meet_the_transforms_within_their_error() {
                     &place,
                     &scale,
                     sampling(256, sequence),
-                    UNWATCHED,
+                    SILENT,
                 )
                 .unwrap();
                 let error = standard_error.unwrap();
@@ -114,7 +114,7 @@ fn samples_meet_the_transforms_within_their_error() {
         &place(150.0, 20.0),
         &scale,
         sampling(8, Sequence::Sobol),
-        UNWATCHED,
+        SILENT,
     );
     let message = refused.unwrap_err().to_string();
     assert!(message.contains("use --forward spectral"), "{message}");
@@ -125,15 +125,14 @@ fn samples_of_a_view_meet_its_tiles() {
     let source = picture(40, 30, 0);
     let view = load(&view(400.0, 20.0, false)).unwrap();
     let tolerance = 0.002;
-    let (tiled, _) =
-        render::viewed(&source, &Millimetre, &view, 1.0, tolerance, UNWATCHED).unwrap();
+    let (tiled, _) = render::viewed(&source, &Millimetre, &view, 1.0, tolerance, SILENT).unwrap();
     let sampled = sampled::viewed(
         &source,
         &Millimetre,
         &view,
         1.0,
         sampling(512, Sequence::Sobol),
-        UNWATCHED,
+        SILENT,
     )
     .unwrap();
     let error = sampled.standard_error.unwrap();

@@ -42,6 +42,30 @@ pub fn ggx(k: f64) -> (f64, f64) {
     (k * k1, -k * k0)
 }
 
+/// Returns the quantile of the distance from the middle, of the distribution function 1 -
+/// exp(-z^2).
+pub(super) fn beckmann_radius(share: f64) -> f64 {
+    (-(-share).ln_1p()).sqrt()
+}
+
+/// Returns the quantile of the distance from the middle, of the distribution function 1 - 1 / (1 +
+/// z^2).
+pub(super) fn ggx_radius(share: f64) -> f64 {
+    (share / (1.0 - share)).sqrt()
+}
+
+/// Returns the distance beyond which at most the share `tail` lies along a line: a normal
+/// distribution of variance 1/2 has the share erfc(x) < exp(-x^2) beyond x.
+pub(super) fn beckmann_reach(tail: f64) -> f64 {
+    (-tail.ln()).sqrt()
+}
+
+/// Returns the distance beyond which the share `tail` lies along a line, where GGX is Student's t:
+/// the share 1 - x / sqrt(x^2 + 1) = 1 / (2 x^2) lies beyond x.
+pub(super) fn ggx_reach(tail: f64) -> f64 {
+    (0.5 / tail).sqrt()
+}
+
 fn polynomial(coefficients: &[f64], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }

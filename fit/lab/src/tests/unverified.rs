@@ -10,8 +10,10 @@ use crate::tests::azimuth::all_azimuths;
 use edges::names::{Kernel, LobeShape, Spectrum};
 use edges::photographs::Campaign;
 use estimator::estimate::campaign::campaign as estimated;
-use estimator::estimate::{Candidates, Doubted, Effect, Estimate, Estimated, Given, Options};
-use estimator::estimate::{OtherTable, Trusted, Watch, trusted_in_words};
+use estimator::estimate::{
+    Candidates, Doubted, Effect, Estimate, Estimated, Options, UnverifiedInput,
+};
+use estimator::estimate::{OtherTable, Progress, Unverified, unverified_in_words};
 use tables::Table;
 
 /// Incidences of the photographs, between directions of the table.
@@ -50,7 +52,7 @@ fn found(planted: &Params, manifest: &Campaign, table: &Table) -> Estimated {
         ..Candidates::proposed()
     });
     let photographs = trial::source(planted, photograph);
-    estimated(manifest, &photographs, table, &options, &Watch::NOBODY).unwrap()
+    estimated(manifest, &photographs, table, &options, &Progress::SILENT).unwrap()
 }
 
 /// Returns c, the spread and mu, each as value and relative standard error; `None` where the kernel
@@ -66,33 +68,33 @@ fn parts(effect: &Effect) -> [Option<f64>; 3] {
 }
 
 /// Changes a manifest, or the sheet of a table, by the step of an entry.
-fn changed(given: Given, by: f64, manifest: &mut Campaign, sheet: &mut PlantedSheet) {
+fn changed(given: UnverifiedInput, by: f64, manifest: &mut Campaign, sheet: &mut PlantedSheet) {
     let captures = &mut manifest.captures;
     match given {
-        Given::PixelPitchMm => manifest.setup.pixel_pitch_mm *= 1.01,
-        Given::FloatingDistanceMm => {
+        UnverifiedInput::PixelPitchMm => manifest.setup.pixel_pitch_mm *= 1.01,
+        UnverifiedInput::FloatingDistanceMm => {
             captures
                 .iter_mut()
                 .for_each(|shot| shot.floating_distance_mm *= 1.01);
         }
-        Given::HalfMirror => manifest.setup.half_mirror_reflectance *= 1.01,
-        Given::ReferenceExposure => manifest.reference.as_mut().unwrap().exposure *= 1.01,
-        Given::WavelengthNm => manifest.setup.spectrum = Spectrum::parse("555.5").ok(),
-        Given::RefractiveIndex => sheet.refractive_index *= 1.01,
-        Given::IncidenceDeg => captures
+        UnverifiedInput::HalfMirror => manifest.setup.half_mirror_reflectance *= 1.01,
+        UnverifiedInput::ReferenceExposure => manifest.reference.as_mut().unwrap().exposure *= 1.01,
+        UnverifiedInput::WavelengthNm => manifest.setup.spectrum = Spectrum::parse("555.5").ok(),
+        UnverifiedInput::RefractiveIndex => sheet.refractive_index *= 1.01,
+        UnverifiedInput::IncidenceDeg => captures
             .iter_mut()
             .for_each(|shot| shot.incidence_deg += by),
-        Given::AzimuthDeg => {
+        UnverifiedInput::AzimuthDeg => {
             captures
                 .iter_mut()
                 .for_each(|shot| *shot.azimuth_deg.as_mut().unwrap() += by);
         }
-        Given::TangentialAxisDeg => {
+        UnverifiedInput::TangentialAxisDeg => {
             captures
                 .iter_mut()
                 .for_each(|shot| shot.tangential_axis_deg += by);
         }
-        Given::Cell => sheet.pair = !sheet.pair,
+        UnverifiedInput::Cell => sheet.pair = !sheet.pair,
     }
 }
 
@@ -112,12 +114,16 @@ fn effects_are_those_of_estimates_with_other_inputs() {
         let own_table = all_azimuths(&sheet(kernel), &HELD);
         let own = found(&planted, &stated, &own_table);
         assert!(own.bounds.is_empty(), "{kernel:?}");
-        let mut seen: Vec<Given> = Vec::new();
-        for entry in own.trusted.iter().filter(|entry| entry.what != Given::Cell) {
+        let mut seen: Vec<UnverifiedInput> = Vec::new();
+        for entry in own
+            .trusted
+            .iter()
+            .filter(|entry| entry.what != UnverifiedInput::Cell)
+        {
             // The table ends at 31 degrees.
             let (by, step) = match entry.what {
-                Given::IncidenceDeg => (-1.0, "-1 deg"),
-                Given::AzimuthDeg | Given::TangentialAxisDeg => (1.0, "1 deg"),
+                UnverifiedInput::IncidenceDeg => (-1.0, "-1 deg"),
+                UnverifiedInput::AzimuthDeg | UnverifiedInput::TangentialAxisDeg => (1.0, "1 deg"),
                 _ => (1.0, "1 %"),
             };
             assert_eq!(entry.step, step, "{:?}", entry.what);
@@ -149,7 +155,7 @@ fn effects_are_those_of_estimates_with_other_inputs() {
         }
         let index = seen
             .iter()
-            .position(|&given| given == Given::RefractiveIndex);
+            .position(|&given| given == UnverifiedInput::RefractiveIndex);
         assert_eq!(index, Some(seen.len() - 4), "{seen:?}");
         let pitch = parts(&own.trusted[0].effect);
         let expected = match kernel {
@@ -183,7 +189,7 @@ fn another_table_shows_what_the_cell_does() {
     let unknown = own.trusted.last().unwrap();
     assert_eq!(
         (unknown.what, unknown.effect),
-        (Given::Cell, Effect::default())
+        (UnverifiedInput::Cell, Effect::default())
     );
     let single = PlantedSheet {
         pair: false,
@@ -204,9 +210,12 @@ fn another_table_shows_what_the_cell_does() {
         bounds: &own.bounds,
         azimuth_found: false,
     };
-    let trusted = doubted.trusted();
+    let trusted = doubted.unverified();
     let entry = trusted.last().unwrap();
-    assert_eq!((entry.what, &*entry.step), (Given::Cell, "table single.h5"));
+    assert_eq!(
+        (entry.what, &*entry.step),
+        (UnverifiedInput::Cell, "table single.h5")
+    );
     let expected = found(&planted, &stated, &other.table);
     let pairs = numbers(&own.best).into_iter().zip(numbers(&expected.best));
     let largest = entry.effect.c_mm.unwrap().abs();
@@ -289,9 +298,9 @@ fn a_halved_pitch_is_seen_by_nothing_but_trust() {
     assert!((ratio(2) - 1.0).abs() < 1e-5);
     for trusted in [own.1, half.1] {
         let pitch = &trusted[0];
-        assert_eq!(pitch.what, Given::PixelPitchMm);
+        assert_eq!(pitch.what, UnverifiedInput::PixelPitchMm);
         assert!((pitch.effect.c_mm.unwrap() - 0.01).abs() < 1e-14);
-        let said = trusted_in_words(trusted).unwrap();
+        let said = unverified_in_words(trusted).unwrap();
         println!("{said}");
         assert!(
             said.starts_with("taken on trust, largest effects: c "),
@@ -302,8 +311,8 @@ fn a_halved_pitch_is_seen_by_nothing_but_trust() {
 
 #[test]
 fn entries_have_the_keys_of_the_contract() {
-    let entry = Trusted {
-        what: Given::PixelPitchMm,
+    let entry = Unverified {
+        what: UnverifiedInput::PixelPitchMm,
         value: Some(0.05),
         step: "1 %".into(),
         effect: Effect {
@@ -318,27 +327,27 @@ fn entries_have_the_keys_of_the_contract() {
         "{\"what\":\"pixel_pitch_mm\",\"value\":0.05,\"step\":\"1 %\",\
          \"effect\":{\"c_mm\":0.01,\"a_per_mm\":null,\"mu\":-0.25}}"
     );
-    let read: Trusted = serde_json::from_str(&text).unwrap();
+    let read: Unverified = serde_json::from_str(&text).unwrap();
     assert_eq!(read, entry);
     assert_eq!(
-        trusted_in_words(&[entry]).as_deref(),
+        unverified_in_words(&[entry]).as_deref(),
         Some(
             "taken on trust, largest effects: c +1.00 % by 1 % of pixel_pitch_mm, mu -25.00 % by \
              1 % of pixel_pitch_mm"
         )
     );
-    assert_eq!(trusted_in_words(&[]), None);
+    assert_eq!(unverified_in_words(&[]), None);
     // The names in files are those of the program.
     let all = [
-        Given::FloatingDistanceMm,
-        Given::HalfMirror,
-        Given::ReferenceExposure,
-        Given::WavelengthNm,
-        Given::RefractiveIndex,
-        Given::IncidenceDeg,
-        Given::AzimuthDeg,
-        Given::TangentialAxisDeg,
-        Given::Cell,
+        UnverifiedInput::FloatingDistanceMm,
+        UnverifiedInput::HalfMirror,
+        UnverifiedInput::ReferenceExposure,
+        UnverifiedInput::WavelengthNm,
+        UnverifiedInput::RefractiveIndex,
+        UnverifiedInput::IncidenceDeg,
+        UnverifiedInput::AzimuthDeg,
+        UnverifiedInput::TangentialAxisDeg,
+        UnverifiedInput::Cell,
     ];
     for given in all {
         let name = serde_json::to_string(&given).unwrap();

@@ -2,7 +2,7 @@
 
 /// Quantiles of a distribution that is even within each cell.
 #[derive(Debug, Clone)]
-pub(crate) struct Quantile {
+pub struct Quantile {
     first: f64,
     step: f64,
     /// Distribution function at the ends of the cells.
@@ -14,7 +14,7 @@ pub(crate) struct Quantile {
 impl Quantile {
     /// Builds the distribution from cells of width `step` that begin at `first`, with masses >= 0.
     /// Returns `None` if there is no mass.
-    pub(crate) fn new(first: f64, step: f64, masses: &[f64]) -> Option<Quantile> {
+    pub fn new(first: f64, step: f64, masses: &[f64]) -> Option<Quantile> {
         let total: f64 = masses.iter().sum();
         if !(total.is_finite() && total > 0.0) {
             return None;
@@ -46,7 +46,7 @@ impl Quantile {
     }
 
     /// Returns the quantile of `share` in [0, 1), and the cell in which it lies.
-    pub(crate) fn at(&self, share: f64) -> (f64, usize) {
+    pub fn at(&self, share: f64) -> (f64, usize) {
         let cells = self.below.len() - 1;
         let mut cell = self.guide[((share * cells as f64) as usize).min(cells)] as usize;
         while cell + 1 < cells && self.below[cell + 1] <= share {
@@ -58,7 +58,7 @@ impl Quantile {
     }
 
     /// Returns the share of the mass below the left end of a cell.
-    pub(crate) fn below(&self, cell: usize) -> f64 {
+    pub fn below(&self, cell: usize) -> f64 {
         self.below[cell]
     }
 }

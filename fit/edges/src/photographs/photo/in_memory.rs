@@ -10,7 +10,7 @@ use crate::photographs::photo::{
 
 /// Picture in memory: one plane, or three (red, green and blue).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Held {
+pub struct InMemory {
     /// Name for messages.
     pub name: PathBuf,
     /// Number of columns, above 0.
@@ -25,7 +25,7 @@ pub struct Held {
     pub of_integers: bool,
 }
 
-impl Held {
+impl InMemory {
     /// Returns one plane of linear light, as from a file.
     ///
     /// # Errors

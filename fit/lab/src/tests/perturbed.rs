@@ -1,4 +1,4 @@
-//! Tests of a scene that is placed otherwise than its manifest says.
+//! Tests of a scene that is taken otherwise than its manifest says.
 
 use crate::planted::{camera, deviating, params, table, truth};
 use crate::simulate::photograph::photograph;
@@ -7,7 +7,7 @@ use crate::study::trial;
 use crate::tests::azimuth::all_azimuths;
 use edges::names::{Kernel, LobeShape};
 use edges::photographs::Campaign;
-use estimator::estimate::{Aerial, OtherIndex, Placed, Scene};
+use estimator::estimate::{Aerial, Conditions, OtherIndex, Scene};
 use tables::Table;
 use tables::options::{Back, Losses};
 
@@ -39,16 +39,20 @@ fn apart(found: &Scene, expected: &Scene) -> f64 {
     let mut worst = 0.0_f64;
     for (own, other) in found.shots.iter().zip(&expected.shots) {
         assert_eq!(own.group, other.group);
-        assert_eq!(own.placed().r_mm, other.placed().r_mm);
+        assert_eq!(own.conditions().r_mm, other.conditions().r_mm);
         assert_eq!(own.exposure, other.exposure);
-        assert_eq!(own.facing.refractive_index, other.facing.refractive_index);
-        worst = worst
-            .max((own.facing.returned.retroreflected - other.facing.returned.retroreflected).abs());
+        assert_eq!(
+            own.direction.refractive_index,
+            other.direction.refractive_index
+        );
+        worst = worst.max(
+            (own.direction.returned.retroreflected - other.direction.returned.retroreflected).abs(),
+        );
         for k in 0..2 {
             worst = worst.max((own.normal()[k] - other.normal()[k]).abs());
         }
         let otf = |shot: &Aerial, f| {
-            shot.facing
+            shot.direction
                 .shift
                 .as_ref()
                 .unwrap()
@@ -62,7 +66,7 @@ fn apart(found: &Scene, expected: &Scene) -> f64 {
     worst
 }
 
-/// A scene that is placed as another manifest says equals the scene of that manifest. The turned
+/// A scene that is perturbed as another manifest says equals the scene of that manifest. The turned
 /// axis is rounded on another way: to a few units of 2e-16, which the OTF of shifts up to 2 edge
 /// lengths (2 pi c f x 2 = 16) and the sums over its 1000 terms raise to 1e-12 at most.
 #[test]
@@ -124,14 +128,14 @@ fn a_scene_placed_otherwise_is_the_scene_taken_so() {
     for (name, incidence, azimuth, distance, exposure, axis, mirror) in otherwise {
         let mut manifest = stated.clone();
         manifest.setup.seen_in_mirror = Some(mirror);
-        let mut placed: Vec<Placed> = Vec::new();
+        let mut conditions: Vec<Conditions> = Vec::new();
         for (i, shot) in manifest.captures.iter_mut().enumerate() {
             shot.incidence_deg = incidence[i];
             shot.azimuth_deg = Some(azimuth[i]);
             shot.floating_distance_mm *= distance;
             shot.shot.exposure *= exposure;
             shot.tangential_axis_deg += axis;
-            placed.push(Placed {
+            conditions.push(Conditions {
                 incidence_deg: incidence[i],
                 azimuth_deg: Some(azimuth[i]),
                 r_mm: shot.floating_distance_mm,
@@ -141,13 +145,13 @@ fn a_scene_placed_otherwise_is_the_scene_taken_so() {
             });
         }
         let expected = taken(&planted, &manifest, &table);
-        let found = scene.placed(&table, None, &placed).unwrap();
+        let found = scene.perturbed(&table, None, &conditions).unwrap();
         let off = apart(&found, &expected);
         println!("{name}: {off:.1e}");
         assert!(off < 1e-12, "{name}: {off}");
         // And back again.
-        let own: Vec<Placed> = scene.shots.iter().map(Aerial::placed).collect();
-        let back = found.placed(&table, None, &own).unwrap();
+        let own: Vec<Conditions> = scene.shots.iter().map(Aerial::conditions).collect();
+        let back = found.perturbed(&table, None, &own).unwrap();
         assert_eq!(apart(&back, &scene), 0.0, "{name}");
     }
 }
@@ -172,13 +176,13 @@ fn a_table_holds_the_shifts_of_other_indices() {
         let of_own = table(&with(own), &angles, 20.0);
         let of_other = table(&with(other), &INCIDENCE, 20.0);
         let scene = taken(&planted, &stated, &of_own);
-        let placed: Vec<Placed> = scene.shots.iter().map(Aerial::placed).collect();
+        let conditions: Vec<Conditions> = scene.shots.iter().map(Aerial::conditions).collect();
         let index = OtherIndex::of(&of_own, other).unwrap();
-        let found = scene.placed(&of_own, Some(index), &placed).unwrap();
+        let found = scene.perturbed(&of_own, Some(index), &conditions).unwrap();
         let expected = taken(&planted, &stated, &of_other);
         let off = apart(&found, &expected);
         assert!(off < 1e-13, "{own} for {other}: {off}");
-        let eta = |scene: &Scene| scene.shots[2].facing.returned.retroreflected;
+        let eta = |scene: &Scene| scene.shots[2].direction.returned.retroreflected;
         least = least.min((eta(&found) - eta(&scene)).abs());
         cases += 1;
     }
@@ -212,8 +216,8 @@ fn tables_whose_light_depends_on_the_index_stand_for_no_other() {
     // The steepest light of the index 1 is not in a table that ends at 30 degrees.
     let planted = planted();
     let scene = taken(&planted, &trial::campaign(&planted, &[]), &own());
-    let placed: Vec<Placed> = scene.shots.iter().map(Aerial::placed).collect();
+    let conditions: Vec<Conditions> = scene.shots.iter().map(Aerial::conditions).collect();
     let hollow = OtherIndex::of(&own(), 1.0);
-    let refused = scene.placed(&own(), hollow, &placed).err().unwrap();
+    let refused = scene.perturbed(&own(), hollow, &conditions).err().unwrap();
     assert!(refused.to_string().contains("30"), "{refused}");
 }

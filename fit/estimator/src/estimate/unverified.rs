@@ -2,7 +2,7 @@
 //! can check, each with the effect of a small error on c, a and mu.
 //!
 //! An effect is a step of Gauss and Newton. The chosen candidate, at its optimum, is compared with
-//! the photographs in the scene as it would be if the number were another (see `placed`), and mu
+//! the photographs in the scene as it would be if the number were another (see `perturbed`), and mu
 //! follows at the end of the step. Noise and light of the photographs are found at the optimum. The
 //! step misses the optimum of the other scene by a part of the effect that is about as large as the
 //! effect itself, a few percent of it. Another cell has large effects, and is fitted to the end.
@@ -24,7 +24,7 @@ use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined};
-use crate::estimate::placed::{OtherIndex, Placed, sends_straight_back};
+use crate::estimate::perturbed::{Conditions, OtherIndex, sends_straight_back};
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::suspects::OtherTable;
 use edges::names::{Kernel, ParameterKind};
@@ -40,7 +40,7 @@ const ONE_PERCENT: &str = "1 %";
 /// Number that is taken on trust.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Given {
+pub enum UnverifiedInput {
     /// Width of a pixel in the plane of the mid-air image, mm.
     PixelPitchMm,
     /// Floating distances of all photographs, mm.
@@ -63,20 +63,20 @@ pub enum Given {
     Cell,
 }
 
-impl Given {
+impl UnverifiedInput {
     /// Returns the name in files.
     pub const fn name(self) -> &'static str {
         match self {
-            Given::PixelPitchMm => "pixel_pitch_mm",
-            Given::FloatingDistanceMm => "floating_distance_mm",
-            Given::HalfMirror => "half_mirror",
-            Given::ReferenceExposure => "reference_exposure",
-            Given::WavelengthNm => "wavelength_nm",
-            Given::RefractiveIndex => "refractive_index",
-            Given::IncidenceDeg => "incidence_deg",
-            Given::AzimuthDeg => "azimuth_deg",
-            Given::TangentialAxisDeg => "tangential_axis_deg",
-            Given::Cell => "cell",
+            UnverifiedInput::PixelPitchMm => "pixel_pitch_mm",
+            UnverifiedInput::FloatingDistanceMm => "floating_distance_mm",
+            UnverifiedInput::HalfMirror => "half_mirror",
+            UnverifiedInput::ReferenceExposure => "reference_exposure",
+            UnverifiedInput::WavelengthNm => "wavelength_nm",
+            UnverifiedInput::RefractiveIndex => "refractive_index",
+            UnverifiedInput::IncidenceDeg => "incidence_deg",
+            UnverifiedInput::AzimuthDeg => "azimuth_deg",
+            UnverifiedInput::TangentialAxisDeg => "tangential_axis_deg",
+            UnverifiedInput::Cell => "cell",
         }
     }
 }
@@ -97,9 +97,9 @@ pub struct Effect {
 
 /// Number that is taken on trust, with the effect of a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Trusted {
+pub struct Unverified {
     /// The number.
-    pub what: Given,
+    pub what: UnverifiedInput,
     /// Value of the number; null if the photographs differ, and for a cell.
     pub value: Option<f64>,
     /// The step, with its unit: `1 %`, `1 deg`, or another table.
@@ -133,7 +133,7 @@ type Changes = Vec<f64>;
 
 /// How the change of the estimate in a perturbed scene is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Way {
+enum Solve {
     /// One step of Gauss and Newton.
     Step,
     /// A fit to the end.
@@ -142,10 +142,10 @@ enum Way {
 
 impl Doubted<'_> {
     /// Returns all that is taken on trust, with the effect of each step.
-    pub fn trusted(&self) -> Vec<Trusted> {
+    pub fn unverified(&self) -> Vec<Unverified> {
         // Samples give another optimum than the closed form, in which the effects are computed.
         let base = match self.best.sampling {
-            Some(_) => self.found(self.scene, Way::Fit),
+            Some(_) => self.found(self.scene, Solve::Fit),
             None => Some(self.best.logarithms()),
         };
         let doubts = Doubts {
@@ -160,19 +160,19 @@ impl Doubted<'_> {
 
     /// Returns the logarithms of all parameters in another scene, or `None` if a photograph has no
     /// light there or the candidate fails.
-    fn found(&self, scene: &Scene, way: Way) -> Option<Vec<f64>> {
+    fn found(&self, scene: &Scene, solve: Solve) -> Option<Vec<f64>> {
         if !scene.is_lit() || scene.groups.len() != self.scene.groups.len() {
             return None;
         }
         // Noise and light are found as the estimate in the other scene would find them.
-        let near = match way {
-            Way::Step => self.best.optimum(),
-            Way::Fit => optimum(scene, self.best.choice),
+        let near = match solve {
+            Solve::Step => self.best.optimum(),
+            Solve::Fit => optimum(scene, self.best.choice),
         };
         let loss = Loss::new(self.kind, scene, (near.choice, &near.solution.parameters));
-        let found = match way {
-            Way::Step => self.stepped(scene, &loss, near)?,
-            Way::Fit => refined(scene, &loss, near),
+        let found = match solve {
+            Solve::Step => self.stepped(scene, &loss, near)?,
+            Solve::Fit => refined(scene, &loss, near),
         };
         let is_found = found.solution.stop != Stop::Failed;
         is_found.then(|| estimate(scene, &loss, found).logarithms())
@@ -226,17 +226,21 @@ struct Doubts<'a> {
 
 impl Doubts<'_> {
     /// Doubts the numbers that are scales: lengths, light, and the refractive index.
-    fn scales(&self) -> Vec<Trusted> {
+    fn scales(&self) -> Vec<Unverified> {
         let Doubted { scene, table, .. } = *self.doubted;
         let own = scene.optics.camera.pitch_mm;
         let r_mm = equal(scene.shots.iter().map(|shot| Some(shot.r_mm)));
         let farther = self.farther(STEP);
         let entry = |what, value, changes| self.entry(what, value, ONE_PERCENT, changes);
         let mut all = vec![
-            entry(Given::PixelPitchMm, Some(own), self.wider_pixels()),
-            entry(Given::FloatingDistanceMm, r_mm, farther.clone()),
             entry(
-                Given::HalfMirror,
+                UnverifiedInput::PixelPitchMm,
+                Some(own),
+                self.wider_pixels(),
+            ),
+            entry(UnverifiedInput::FloatingDistanceMm, r_mm, farther.clone()),
+            entry(
+                UnverifiedInput::HalfMirror,
                 Some(scene.half_mirror),
                 Some(self.of_mu(1.0 / STEP)),
             ),
@@ -244,70 +248,71 @@ impl Doubts<'_> {
         if let Some(reference) = &scene.reference {
             let exposure = Some(reference.exposure);
             all.push(entry(
-                Given::ReferenceExposure,
+                UnverifiedInput::ReferenceExposure,
                 exposure,
                 Some(self.of_mu(STEP)),
             ));
         }
-        if self.doubted.best.choice.kernel == Kernel::Wave {
+        if self.doubted.best.choice.kernel.has_waves() {
             // Waves depend on the product of wavelength and distance alone.
             let lines = scene.spectrum.iter().flat_map(|spectrum| spectrum.lines());
             let value = equal(lines.map(|line| Some(line.wavelength_nm)));
-            all.push(entry(Given::WavelengthNm, value, farther));
+            all.push(entry(UnverifiedInput::WavelengthNm, value, farther));
         }
         let index = table.provenance.refractive_index;
         let denser = OtherIndex::of(table, STEP * index);
-        let denser = denser.and_then(|other| self.placed(Some(other), |_| ()));
-        all.push(entry(Given::RefractiveIndex, Some(index), denser));
+        let denser = denser.and_then(|other| self.perturbed(Some(other), |_| ()));
+        all.push(entry(UnverifiedInput::RefractiveIndex, Some(index), denser));
         all
     }
 
     /// Doubts the angles.
-    fn angles(&self) -> Vec<Trusted> {
+    fn angles(&self) -> Vec<Unverified> {
         let scene = self.doubted.scene;
         let mut all = Vec::new();
         let steeper = |by: f64| {
             // The light of the incidence -x comes from the other side, at x.
-            let place = move |placed: &mut Placed| {
-                placed.incidence_deg = (placed.incidence_deg + by).abs();
+            let place = move |conditions: &mut Conditions| {
+                conditions.incidence_deg = (conditions.incidence_deg + by).abs();
             };
-            self.placed(None, place)
+            self.perturbed(None, place)
         };
         let value = equal(scene.shots.iter().map(|shot| Some(shot.incidence_deg)));
-        all.push(self.either_way(Given::IncidenceDeg, value, steeper));
-        let azimuths = || scene.shots.iter().map(|shot| shot.facing.azimuth_deg);
+        all.push(self.either_way(UnverifiedInput::IncidenceDeg, value, steeper));
+        let azimuths = || scene.shots.iter().map(|shot| shot.direction.azimuth_deg);
         // A mean over all azimuths has none, and one that was estimated is not taken on trust.
         if azimuths().any(|own| own.is_some()) && !self.doubted.azimuth_found {
             let turned = |by: f64| {
-                let place = move |placed: &mut Placed| {
-                    placed.azimuth_deg = placed.azimuth_deg.map(|own| own + by);
+                let place = move |conditions: &mut Conditions| {
+                    conditions.azimuth_deg = conditions.azimuth_deg.map(|own| own + by);
                 };
-                self.placed(None, place)
+                self.perturbed(None, place)
             };
-            all.push(self.either_way(Given::AzimuthDeg, equal(azimuths()), turned));
+            all.push(self.either_way(UnverifiedInput::AzimuthDeg, equal(azimuths()), turned));
         }
         let turned = |by: f64| {
-            let place = move |placed: &mut Placed| placed.axis_turn_rad += by.to_radians();
-            self.placed(None, place)
+            let place =
+                move |conditions: &mut Conditions| conditions.axis_turn_rad += by.to_radians();
+            self.perturbed(None, place)
         };
         let captures = self.doubted.campaign.captures.iter();
         let value = equal(captures.map(|capture| Some(capture.tangential_axis_deg)));
-        all.push(self.either_way(Given::TangentialAxisDeg, value, turned));
+        all.push(self.either_way(UnverifiedInput::TangentialAxisDeg, value, turned));
         all
     }
 
     /// Doubts the cell: each other table stands in place of the table.
-    fn cells(&self) -> Vec<Trusted> {
+    fn cells(&self) -> Vec<Unverified> {
         let Doubted { scene, others, .. } = *self.doubted;
         if others.is_empty() {
-            return vec![self.entry(Given::Cell, None, "another cell", None)];
+            return vec![self.entry(UnverifiedInput::Cell, None, "another cell", None)];
         }
-        let own: Vec<Placed> = scene.shots.iter().map(Aerial::placed).collect();
+        let own: Vec<Conditions> = scene.shots.iter().map(Aerial::conditions).collect();
         let one = |other: &OtherTable| {
-            let placed = scene.placed(&other.table, None, &own).ok();
-            let changes = placed.and_then(|scene| self.changes(&scene, Way::Fit));
+            let perturbed = scene.perturbed(&other.table, None, &own).ok();
+            let changes = perturbed.and_then(|scene| self.changes(&scene, Solve::Fit));
             let step = format!("table {}", other.name);
-            self.entry(Given::Cell, None, &step, changes)
+            self.entry(UnverifiedInput::Cell, None, &step, changes)
         };
         others.iter().map(one).collect()
     }
@@ -316,32 +321,39 @@ impl Doubts<'_> {
     /// degree the other way.
     fn either_way(
         &self,
-        what: Given,
+        what: UnverifiedInput,
         value: Option<f64>,
         changes: impl Fn(f64) -> Option<Changes>,
-    ) -> Trusted {
+    ) -> Unverified {
         let ways = [(1.0, "1 deg"), (-1.0, "-1 deg")];
         let mut found = ways.iter().map(|&(by, step)| (step, changes(by)));
-        let way = found.find(|(_, changes)| changes.is_some());
-        let (step, changes) = way.unwrap_or(("1 deg", None));
+        let effect = found.find(|(_, changes)| changes.is_some());
+        let (step, changes) = effect.unwrap_or(("1 deg", None));
         self.entry(what, value, step, changes)
     }
 
     /// Returns the changes if all photographs had been taken otherwise.
-    fn placed(&self, index: Option<OtherIndex>, by: impl Fn(&mut Placed)) -> Option<Changes> {
+    fn perturbed(
+        &self,
+        index: Option<OtherIndex>,
+        by: impl Fn(&mut Conditions),
+    ) -> Option<Changes> {
         let Doubted { scene, table, .. } = *self.doubted;
         let other = |shot: &Aerial| {
-            let mut placed = shot.placed();
-            by(&mut placed);
-            placed
+            let mut conditions = shot.conditions();
+            by(&mut conditions);
+            conditions
         };
-        let placed: Vec<Placed> = scene.shots.iter().map(other).collect();
-        self.changes(&scene.placed(table, index, &placed).ok()?, Way::Step)
+        let conditions: Vec<Conditions> = scene.shots.iter().map(other).collect();
+        self.changes(
+            &scene.perturbed(table, index, &conditions).ok()?,
+            Solve::Step,
+        )
     }
 
     /// Returns the changes in another scene.
-    fn changes(&self, scene: &Scene, way: Way) -> Option<Changes> {
-        let (base, found) = (self.base?, self.doubted.found(scene, way)?);
+    fn changes(&self, scene: &Scene, solve: Solve) -> Option<Changes> {
+        let (base, found) = (self.base?, self.doubted.found(scene, solve)?);
         Some(
             found
                 .iter()
@@ -357,8 +369,8 @@ impl Doubts<'_> {
         let kernel = best.choice.kernel;
         let mut changes = self.none();
         match kernel {
-            _ if kernel == Kernel::Wave || kernel.is_baseline() || !sends_straight_back(table) => {
-                self.placed(None, |placed| placed.r_mm *= by)
+            _ if kernel.has_waves() || kernel.is_baseline() || !sends_straight_back(table) => {
+                self.perturbed(None, |conditions| conditions.r_mm *= by)
             }
             Kernel::Angular => {
                 self.spreads(&mut changes)
@@ -411,11 +423,11 @@ impl Doubts<'_> {
     /// Makes an entry from changes of the logarithms.
     fn entry(
         &self,
-        what: Given,
+        what: UnverifiedInput,
         value: Option<f64>,
         step: &str,
         changes: Option<Changes>,
-    ) -> Trusted {
+    ) -> Unverified {
         let Doubted { best, bounds, .. } = *self.doubted;
         let largest = |kinds: &[ParameterKind]| {
             let pairs = best.parameters.iter().zip(changes.as_ref()?);
@@ -425,7 +437,7 @@ impl Doubts<'_> {
             let shares = shares.filter(|share| share.is_finite());
             shares.max_by(|a, b| a.abs().total_cmp(&b.abs()))
         };
-        Trusted {
+        Unverified {
             what,
             value,
             step: step.to_owned(),
@@ -446,7 +458,7 @@ fn equal(mut values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
 
 /// Returns one sentence that names, for each of c, a and mu, what a step changes most; `None` if
 /// nothing is known.
-pub fn in_words(trusted: &[Trusted]) -> Option<String> {
+pub fn in_words(trusted: &[Unverified]) -> Option<String> {
     let most = ["c", "a", "mu"]
         .into_iter()
         .enumerate()

@@ -10,20 +10,20 @@ use pictures::images::render::psf::{LARGEST, Psf};
 use pictures::images::render::sampled;
 use pictures::images::render::sampled::Spotted;
 use pictures::images::render::view::CameraView;
-use pictures::images::{Scale, Viewpoint, Watch};
+use pictures::images::{RenderProgress, Scale, Viewpoint};
 
-/// Way in which an image is made.
-pub(super) struct Way<'a> {
+/// How an image is made.
+pub(super) struct Method<'a> {
     /// Transforms or samples.
     pub forward: Forward,
     /// Samples of the blur, for a render by samples.
     pub sampling: Sampling,
     /// Callback for the progress.
-    pub watch: Watch<'a>,
+    pub progress: RenderProgress<'a>,
 }
 
 /// Image and the facts about it.
-pub(super) struct Seen {
+pub(super) struct Rendered {
     /// The image.
     pub image: Picture,
     /// Places whose blur was computed.
@@ -36,14 +36,14 @@ pub(super) struct Seen {
     pub sampling_error: Option<f64>,
 }
 
-impl Seen {
-    fn by_transforms(image: Picture, places: Vec<Viewpoint>, psfs: &[Psf]) -> Seen {
+impl Rendered {
+    fn by_transforms(image: Picture, places: Vec<Viewpoint>, psfs: &[Psf]) -> Rendered {
         let spotted = |(place, psf): (Viewpoint, &Psf)| Spotted {
             place,
             energy: psf.energy,
             interpolated: psf.interpolated,
         };
-        Seen {
+        Rendered {
             image,
             spots: places.into_iter().zip(psfs).map(spotted).collect(),
             transfer_error: psfs.iter().map(|psf| psf.error).fold(0.0, f64::max),
@@ -52,8 +52,8 @@ impl Seen {
         }
     }
 
-    fn by_samples(sampled: sampled::Sampled) -> Seen {
-        Seen {
+    fn by_samples(sampled: sampled::Sampled) -> Rendered {
+        Rendered {
             image: sampled.image,
             spots: sampled.seen,
             transfer_error: 0.0,
@@ -69,18 +69,18 @@ pub(super) fn from_afar(
     sheet: &Fitted<'_>,
     place: Viewpoint,
     scale: &Scale,
-    way: &Way<'_>,
-) -> Result<Seen, render::Error> {
-    Ok(match way.forward {
+    method: &Method<'_>,
+) -> Result<Rendered, render::Error> {
+    Ok(match method.forward {
         Forward::Spectral => {
             let psf = render::uniform_psf(sheet, &place, scale)?;
-            let image = render::uniform(source, &psf, way.watch);
-            Seen::by_transforms(image, vec![place], &[psf])
+            let image = render::uniform(source, &psf, method.progress);
+            Rendered::by_transforms(image, vec![place], &[psf])
         }
         Forward::Render => {
-            let (sampling, watch) = (way.sampling, way.watch);
-            let found = sampled::uniform(source, sheet, &place, scale, sampling, watch)?;
-            Seen::by_samples(found)
+            let (sampling, progress) = (method.sampling, method.progress);
+            let found = sampled::uniform(source, sheet, &place, scale, sampling, progress)?;
+            Rendered::by_samples(found)
         }
     })
 }
@@ -98,8 +98,8 @@ pub(super) fn from_afar_reduced(
     sheet: &Fitted<'_>,
     place: Viewpoint,
     scale: &Scale,
-    way: &Way<'_>,
-) -> Result<(Seen, Option<Picture>, f64), render::Error> {
+    method: &Method<'_>,
+) -> Result<(Rendered, Option<Picture>, f64), render::Error> {
     let longer = source.width.max(source.height);
     let mut factor = 1;
     loop {
@@ -109,13 +109,13 @@ pub(super) fn from_afar_reduced(
             ..*scale
         };
         let picture = reduced.as_ref().unwrap_or(source);
-        let seen = from_afar(picture, sheet, place, &scale, way);
-        let Err(render::Error::Wide { size, .. }) = seen else {
-            return Ok((seen?, reduced, scale.pitch_mm));
+        let rendered = from_afar(picture, sheet, place, &scale, method);
+        let Err(render::Error::Wide { size, .. }) = rendered else {
+            return Ok((rendered?, reduced, scale.pitch_mm));
         };
         factor = (factor + 1).max(factor.saturating_mul(size) / LARGEST);
         if factor.saturating_mul(FEWEST) > longer {
-            return Ok((seen?, None, scale.pitch_mm));
+            return Ok((rendered?, None, scale.pitch_mm));
         }
     }
 }
@@ -128,31 +128,31 @@ pub(super) fn from_camera(
     sheet: &Fitted<'_>,
     view: &CameraView,
     tolerance: f64,
-    way: &Way<'_>,
-) -> Result<Seen, render::Error> {
-    let (half_mirror, watch) = (sheet.result.half_mirror, way.watch);
-    Ok(match way.forward {
+    method: &Method<'_>,
+) -> Result<Rendered, render::Error> {
+    let (half_mirror, progress) = (sheet.result.half_mirror, method.progress);
+    Ok(match method.forward {
         Forward::Spectral => {
             let (image, tiles) =
-                render::viewed(source, sheet, view, half_mirror, tolerance, watch)?;
+                render::viewed(source, sheet, view, half_mirror, tolerance, progress)?;
             let [width, height] = [source.width, source.height].map(|n| n as f64);
             let places = tiles.corner_places().map(|[x, y]| {
                 let seen = view.at([x - 0.5 * (width - 1.0), y - 0.5 * (height - 1.0)]);
                 seen.map(|seen| seen.place)
             });
             let places = places.collect::<Result<_, _>>()?;
-            Seen {
+            Rendered {
                 tiles: Some(TileReport {
                     counts: tiles.counts(),
                     error: tiles.error,
                 }),
-                ..Seen::by_transforms(image, places, tiles.corners())
+                ..Rendered::by_transforms(image, places, tiles.corners())
             }
         }
         Forward::Render => {
-            let sampling = way.sampling;
-            let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling, watch)?;
-            Seen::by_samples(sampled)
+            let sampling = method.sampling;
+            let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling, progress)?;
+            Rendered::by_samples(sampled)
         }
     })
 }

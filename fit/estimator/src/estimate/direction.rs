@@ -27,7 +27,7 @@ impl Returned {
 
 /// Direction of the table for one photograph at one azimuth of the sheet.
 #[derive(Debug, Clone)]
-pub struct Facing {
+pub struct ProjectedDirection {
     /// Azimuth, degrees; `None` if the table is a mean over azimuths and needs none.
     pub azimuth_deg: Option<f64>,
     /// Retroreflected share of the table.
@@ -53,20 +53,20 @@ pub struct Along<'a> {
     pub spectrum: Option<&'a Spectrum>,
 }
 
-impl Facing {
+impl ProjectedDirection {
     /// Projects a direction that returns light on the edge normal.
     pub fn new(
         direction: &Direction,
         azimuth_deg: Option<f64>,
         refractive_index: f64,
         seen: Along,
-    ) -> Facing {
+    ) -> ProjectedDirection {
         let Along {
             incidence_rad,
             normal,
             spectrum,
         } = seen;
-        Facing {
+        ProjectedDirection {
             azimuth_deg,
             returned: Returned {
                 retroreflected: direction.retroreflected,
@@ -79,10 +79,10 @@ impl Facing {
         }
     }
 
-    /// Returns the facing for a direction without light. The lines have no meaning there
+    /// Returns the projection of a direction without light. The lines have no meaning there
     /// and are kept.
-    pub fn dark(&self, direction: &Direction, azimuth_deg: Option<f64>) -> Facing {
-        Facing {
+    pub fn dark(&self, direction: &Direction, azimuth_deg: Option<f64>) -> ProjectedDirection {
+        ProjectedDirection {
             azimuth_deg,
             returned: Returned {
                 retroreflected: direction.retroreflected,

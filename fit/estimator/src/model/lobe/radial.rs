@@ -1,87 +1,29 @@
-//! Diffraction lobes: the OTF of Eq. (1) of Sugawara and Koizumi (SIGGRAPH Asia 2025 Posters) in
-//! its two shapes.
+//! The radial lobe: sinc^2(a r), cut at a r = 2.4 pi, with total light 1.
 //!
-//! Eq. (1) gives the lobe as sinc^2(a r) of the lateral offset r = R tan(theta_o - theta_i), with
-//! sinc t = sin t / t. The paper leaves two points open; a scene chooses the shape:
-//!
-//! - `radial` turns the lobe about the principal ray and cuts it at a r = 2.4 pi. Without a cut its
-//!   energy diverges logarithmically. The authors' public code cuts there too.
-//! - `separable` is the product over the two axes. It is not cut.
-//!
-//! The lobes of rough facets (`microfacet`) are here too, for the baselines.
+//! The paper's Eq. (1), turned about the principal ray. Without a cut its energy diverges
+//! logarithmically. The authors' public code cuts there too.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use crate::model::microfacet;
-use edges::names::LobeShape;
-use edges::numerics::GAUSS_16;
+use super::cell_masses;
+use edges::numerics::{GAUSS_16, Quantile};
 use tables::Samples;
 
-/// Radius at which the radial lobe is cut, as a r.
+/// Radius at which the lobe is cut, as a r.
 pub const CUT: f64 = 2.4 * PI;
 
-/// What the shape of a lobe does to light.
-pub trait Lobe {
-    /// Evaluates the OTF and its derivative by a, at `frequency` (1/mm) along the unit direction
-    /// `normal` (tangential, sagittal), for `a` in 1/mm.
-    ///
-    /// The OTF is real, and 1 at frequency 0. Its accuracy is 2e-6 (radial, see `radial`), 3e-7
-    /// (ggx) and rounding (separable, beckmann).
-    fn otf(self, a: f64, frequency: f64, normal: [f64; 2]) -> (f64, f64);
+/// Number of cells of the table of radii.
+const CELLS: usize = 4096;
 
-    /// Returns the distance that holds all but the share `tail` of the light along each axis, mm.
-    ///
-    /// It is for the shapes of a diffraction lobe. The radial one ends.
-    fn reach_mm(self, a: f64, tail: f64) -> f64;
-
-    /// Returns the slope of the OTF at frequency 0, -d OTF/d|f| (mm), and its derivative by a.
-    ///
-    /// This kink gives an edge its 1/x tails. Only the separable shape has one. The radial lobe has
-    /// a finite support, and ggx falls as 1/r^4.
-    fn kink(self, a: f64, normal: [f64; 2]) -> (f64, f64);
-}
-
-impl Lobe for LobeShape {
-    fn otf(self, a: f64, frequency: f64, normal: [f64; 2]) -> (f64, f64) {
-        match self {
-            LobeShape::Radial | LobeShape::Beckmann | LobeShape::Ggx => {
-                let k = 2.0 * PI * frequency.abs() / a;
-                let (g, slope) = match self {
-                    LobeShape::Beckmann => microfacet::beckmann(k),
-                    LobeShape::Ggx => microfacet::ggx(k),
-                    _ => radial(k),
-                };
-                (g, -slope * k / a)
-            }
-            LobeShape::Separable => {
-                let [x, y] = normal.map(|n| PI * (frequency * n).abs() / a);
-                if x >= 1.0 || y >= 1.0 {
-                    return (0.0, 0.0);
-                }
-                ((1.0 - x) * (1.0 - y), (x * (1.0 - y) + y * (1.0 - x)) / a)
-            }
-        }
-    }
-
-    fn reach_mm(self, a: f64, tail: f64) -> f64 {
-        match self {
-            // The mean of sin^2 is 1/2, and the integral of sinc^2(a x) is pi/a. So the share
-            // 1/(pi a x) of the light lies beyond x.
-            LobeShape::Separable => 1.0 / (PI * a * tail),
-            _ => CUT / a,
-        }
-    }
-
-    fn kink(self, a: f64, normal: [f64; 2]) -> (f64, f64) {
-        match self {
-            LobeShape::Radial | LobeShape::Beckmann | LobeShape::Ggx => (0.0, 0.0),
-            LobeShape::Separable => {
-                let kink = PI * (normal[0].abs() + normal[1].abs()) / a;
-                (kink, -kink / a)
-            }
-        }
-    }
+/// Returns the quantile of sinc^2(t) t dt on [0, 2.4 pi].
+pub(super) fn radius(share: f64) -> f64 {
+    static TABLE: LazyLock<Quantile> = LazyLock::new(|| {
+        let step = CUT / CELLS as f64;
+        let masses = cell_masses(CELLS, step, |t| t.sin().powi(2) / t);
+        Quantile::new(0.0, step, &masses).expect("the lobe has mass")
+    });
+    TABLE.at(share).0
 }
 
 /// Value of k from which the asymptotic series is exact to 1e-9.
@@ -97,7 +39,7 @@ const TABLE_STEP: f64 = 0.02;
 ///
 /// Both come from cubic Hermite interpolation of quadrature values. The fourth derivative of g is
 /// at most int (sin^2 t) t^3 dt / g(0) = 260, so the error is below 260 x 0.02^4 / 384 = 1.1e-7.
-pub(crate) fn radial(k: f64) -> (f64, f64) {
+pub(super) fn otf(k: f64) -> (f64, f64) {
     static TABLE: LazyLock<(Samples, f64)> = LazyLock::new(|| {
         let norm = quadrature(0.0).0;
         let count = (TABLE_END / TABLE_STEP) as usize + 2;
@@ -203,7 +145,7 @@ mod tests {
         for k in [
             0.0, 0.013, 0.5, 1.0, 1.99, 2.0, 3.7, 9.99, 19.995, 20.01, 25.0, 60.0, 125.0,
         ] {
-            let (g, slope) = radial(k);
+            let (g, slope) = otf(k);
             // The midpoint rule has h = 3.8e-5 and the error h^2/24 x |integrand''| x T < 1e-7 for
             // k <= 125.
             assert!(
@@ -212,8 +154,7 @@ mod tests {
                 brute(k) / norm
             );
             let d = 1e-4;
-            let difference =
-                (radial(k + d).0 - radial((k - d).abs()).0) / (k + d - (k - d).abs()).max(d);
+            let difference = (otf(k + d).0 - otf((k - d).abs()).0) / (k + d - (k - d).abs()).max(d);
             if k > 0.0 {
                 // The error of the interpolated values, 1.1e-7, over 2d bounds that of the
                 // difference quotient.
@@ -223,28 +164,6 @@ mod tests {
                 );
             }
         }
-    }
-
-    #[test]
-    fn separable_is_the_product_of_triangles_and_both_shapes_differentiate() {
-        for shape in [LobeShape::Radial, LobeShape::Separable] {
-            for f in [0.05, 0.3, 0.9, 1.2] {
-                for angle in [0.0_f64, 0.1, 0.6, 1.5] {
-                    let normal = [angle.cos(), angle.sin()];
-                    let (a, d) = (4.2, 1e-5);
-                    let (value, slope) = shape.otf(a, f, normal);
-                    let difference =
-                        (shape.otf(a + d, f, normal).0 - shape.otf(a - d, f, normal).0) / (2.0 * d);
-                    assert!(
-                        (slope - difference).abs() < 1e-5,
-                        "{shape:?} {f} {angle}: {slope} {difference}"
-                    );
-                    assert!(value <= 1.0 && value > -0.05);
-                }
-            }
-        }
-        let (value, _) = LobeShape::Separable.otf(4.2, 0.5, [0.6, 0.8]);
-        assert!((value - (1.0 - PI * 0.3 / 4.2) * (1.0 - PI * 0.4 / 4.2)).abs() < 1e-15);
     }
 
     /// Checks the derivative beyond the table, where value and derivative come from the series.
@@ -257,8 +176,8 @@ mod tests {
     fn the_slope_beyond_the_table_matches_differences() {
         let (d, mut cases) = (1e-3, 0);
         for k in [120.5, 125.0, 160.0, 400.0] {
-            let difference = (radial(k + d).0 - radial(k - d).0) / (2.0 * d);
-            let slope = radial(k).1;
+            let difference = (otf(k + d).0 - otf(k - d).0) / (2.0 * d);
+            let slope = otf(k).1;
             assert!(
                 (slope - difference).abs() < 1.5e-9,
                 "{k}: {slope} {difference}"

@@ -9,12 +9,12 @@ use rayon::prelude::*;
 use tables::options::{Back, Element, Front, Losses};
 use tables::{Path, Table};
 
-use crate::estimate::facing::{Along, Facing};
+use crate::estimate::direction::{Along, ProjectedDirection};
 use crate::estimate::scene::{Aerial, Scene, group};
 
 /// Conditions under which a photograph was taken, as the manifest states them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Placed {
+pub struct Conditions {
     /// Incidence outside the sheet, degrees.
     pub incidence_deg: f64,
     /// Azimuth, degrees; `None` if the table is a mean over azimuths and needs none.
@@ -85,10 +85,10 @@ pub(super) fn sends_straight_back(table: &Table) -> bool {
 
 impl Aerial {
     /// Returns the conditions under which the photograph was taken.
-    pub fn placed(&self) -> Placed {
-        Placed {
+    pub fn conditions(&self) -> Conditions {
+        Conditions {
             incidence_deg: self.incidence_deg,
-            azimuth_deg: self.facing.azimuth_deg,
+            azimuth_deg: self.direction.azimuth_deg,
             r_mm: self.r_mm,
             exposure: self.exposure,
             axis_turn_rad: self.axis_turn_rad,
@@ -99,21 +99,22 @@ impl Aerial {
 
 impl Scene {
     /// Returns the scene as it would be if its photographs had been taken otherwise, one entry of
-    /// `placed` for each photograph, in closed form. Nothing is measured again.
+    /// `conditions` for each photograph, in closed form. Nothing is measured again.
     ///
     /// `index` stands in place of the refractive index of the table. At an angle at which no light
     /// returns, the lines of the photograph stay as they were (see [`Scene::is_lit`]).
     ///
     /// # Errors
     /// Fails if the table neither holds nor brackets one of the directions.
-    pub fn placed(
+    pub fn perturbed(
         &self,
         table: &Table,
         index: Option<OtherIndex>,
-        placed: &[Placed],
+        conditions: &[Conditions],
     ) -> Result<Scene, tables::Error> {
-        let one = |(shot, placed): (&Aerial, &Placed)| self.moved(shot, table, index, placed);
-        let shots = self.shots.par_iter().zip(placed);
+        let one =
+            |(shot, conditions): (&Aerial, &Conditions)| self.moved(shot, table, index, conditions);
+        let shots = self.shots.par_iter().zip(conditions);
         let mut shots: Vec<Aerial> = shots.map(one).collect::<Result<_, tables::Error>>()?;
         let groups = group(&mut shots);
         Ok(Scene {
@@ -131,18 +132,18 @@ impl Scene {
         shot: &Aerial,
         table: &Table,
         index: Option<OtherIndex>,
-        placed: &Placed,
+        conditions: &Conditions,
     ) -> Result<Aerial, tables::Error> {
-        let held_deg = index.map_or(placed.incidence_deg, |index| {
-            index.held_at_deg(placed.incidence_deg)
+        let held_deg = index.map_or(conditions.incidence_deg, |index| {
+            index.held_at_deg(conditions.incidence_deg)
         });
-        let direction = table.direction(held_deg, placed.azimuth_deg)?;
+        let direction = table.direction(held_deg, conditions.azimuth_deg)?;
         let moved = Aerial {
-            incidence_deg: placed.incidence_deg,
-            r_mm: placed.r_mm,
-            exposure: placed.exposure,
-            axis_turn_rad: placed.axis_turn_rad,
-            seen_in_mirror: placed.seen_in_mirror,
+            incidence_deg: conditions.incidence_deg,
+            r_mm: conditions.r_mm,
+            exposure: conditions.exposure,
+            axis_turn_rad: conditions.axis_turn_rad,
+            seen_in_mirror: conditions.seen_in_mirror,
             sampled: None,
             image: shot.image.clone(),
             group: shot.group,
@@ -150,19 +151,24 @@ impl Scene {
             view: Arc::clone(&shot.view),
             pixels: Arc::clone(&shot.pixels),
             warnings: shot.warnings.clone(),
-            facing: shot.facing.dark(&direction, placed.azimuth_deg),
+            direction: shot.direction.dark(&direction, conditions.azimuth_deg),
         };
         if direction.retroreflected <= 0.0 {
             return Ok(moved);
         }
         let refractive_index = index.map_or(table.provenance.refractive_index, |index| index.other);
         let along = Along {
-            incidence_rad: placed.incidence_deg.to_radians(),
+            incidence_rad: conditions.incidence_deg.to_radians(),
             normal: moved.normal(),
             spectrum: self.spectrum.as_ref(),
         };
         Ok(Aerial {
-            facing: Facing::new(&direction, placed.azimuth_deg, refractive_index, along),
+            direction: ProjectedDirection::new(
+                &direction,
+                conditions.azimuth_deg,
+                refractive_index,
+                along,
+            ),
             ..moved
         })
     }
@@ -172,12 +178,12 @@ impl Scene {
     /// # Errors
     /// Fails if the table neither holds nor brackets one of the directions.
     pub fn turned(&self, table: &Table, azimuths_deg: &[f64]) -> Result<Scene, tables::Error> {
-        let turned = |(shot, &azimuth_deg): (&Aerial, &f64)| Placed {
+        let turned = |(shot, &azimuth_deg): (&Aerial, &f64)| Conditions {
             azimuth_deg: Some(azimuth_deg),
-            ..shot.placed()
+            ..shot.conditions()
         };
-        let placed: Vec<Placed> = self.shots.iter().zip(azimuths_deg).map(turned).collect();
-        self.placed(table, None, &placed)
+        let conditions: Vec<Conditions> = self.shots.iter().zip(azimuths_deg).map(turned).collect();
+        self.perturbed(table, None, &conditions)
     }
 
     /// Returns the scene as it would be if its camera had seen the sheet the other way: straight
@@ -186,11 +192,11 @@ impl Scene {
     /// # Errors
     /// Fails if the table neither holds nor brackets one of the directions.
     pub fn mirrored(&self, table: &Table) -> Result<Scene, tables::Error> {
-        let other = |shot: &Aerial| Placed {
+        let other = |shot: &Aerial| Conditions {
             seen_in_mirror: !shot.seen_in_mirror,
-            ..shot.placed()
+            ..shot.conditions()
         };
-        let placed: Vec<Placed> = self.shots.iter().map(other).collect();
-        self.placed(table, None, &placed)
+        let conditions: Vec<Conditions> = self.shots.iter().map(other).collect();
+        self.perturbed(table, None, &conditions)
     }
 }

@@ -1,9 +1,9 @@
-//! Tests of `estimator::estimate::facing` on planted campaigns.
+//! Tests of `estimator::estimate::direction` on planted campaigns.
 
 use crate::planted::{table, truth};
 use edges::names::Kernel;
 use edges::names::LobeShape;
-use estimator::estimate::facing::*;
+use estimator::estimate::direction::*;
 
 /// The front of a baseline takes its part of the light and of its error alike, so the relative
 /// error stays; `mrm` returns all light, without an error. Fresnel's equations at 30 degrees
@@ -20,7 +20,7 @@ fn the_front_takes_light_and_error_alike() {
         normal: [1.0, 0.0],
         spectrum: None,
     };
-    let facing = Facing::new(&direction, Some(20.0), 1.49, seen);
+    let projected = ProjectedDirection::new(&direction, Some(20.0), 1.49, seen);
     let (a, b) = (30.0_f64.to_radians(), (0.5_f64 / 1.49).asin());
     let front =
         0.5 * (((a - b).sin() / (a + b).sin()).powi(2) + ((a - b).tan() / (a + b).tan()).powi(2));
@@ -29,7 +29,7 @@ fn the_front_takes_light_and_error_alike() {
         (Kernel::Saito, (1.0 - front).powi(2), 0.03),
         (Kernel::Mrm, 1.0 / direction.retroreflected, 0.0),
     ] {
-        let found = facing.returned_as(kernel);
+        let found = projected.returned_as(kernel);
         let share = found.retroreflected / direction.retroreflected;
         assert!(
             (share / part - 1.0).abs() < 1e-12,

@@ -68,17 +68,17 @@ pub struct Cancelled;
 
 /// Callback for the progress of an estimate, and the flag that stops it.
 #[derive(Clone, Copy, Default)]
-pub struct Watch<'a> {
+pub struct Progress<'a> {
     /// Function that is called after each step, from any thread.
-    pub progress: Option<&'a (dyn Fn(Step) + Sync)>,
+    pub report: Option<&'a (dyn Fn(Step) + Sync)>,
     /// Flag that stops the estimate. The estimate ends after the step during which the flag is set.
     pub cancel: Option<&'a AtomicBool>,
 }
 
-impl Watch<'_> {
-    /// Watch without a callback and without a flag.
-    pub const NOBODY: Watch<'static> = Watch {
-        progress: None,
+impl Progress<'_> {
+    /// Progress without a callback and without a flag.
+    pub const SILENT: Progress<'static> = Progress {
+        report: None,
         cancel: None,
     };
 
@@ -87,8 +87,8 @@ impl Watch<'_> {
     /// # Errors
     /// Returns `Cancelled` if the flag is set.
     pub fn done(&self, step: Step) -> Result<(), Cancelled> {
-        if let Some(progress) = self.progress {
-            progress(step);
+        if let Some(report) = self.report {
+            report(step);
         }
         match self.cancel {
             Some(flag) if flag.load(Ordering::Relaxed) => Err(Cancelled),

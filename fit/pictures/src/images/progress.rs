@@ -2,9 +2,9 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Part of a render that is done.
+/// Step of a render: the pieces of one kind of work that are done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Part {
+pub struct RenderStep {
     /// Pieces of the work, in words.
     pub what: &'static str,
     /// Number of pieces that are done.
@@ -14,14 +14,14 @@ pub struct Part {
 }
 
 /// Callback for the progress of a render, called from any thread.
-pub type Watch<'a> = &'a (dyn Fn(Part) + Sync);
+pub type RenderProgress<'a> = &'a (dyn Fn(RenderStep) + Sync);
 
 /// Callback that does nothing.
-pub const UNWATCHED: Watch<'static> = &|_| ();
+pub const SILENT: RenderProgress<'static> = &|_| ();
 
 /// Counter of the pieces of one kind of work.
 pub(crate) struct Pieces<'a> {
-    watch: Watch<'a>,
+    progress: RenderProgress<'a>,
     what: &'static str,
     of: usize,
     done: AtomicUsize,
@@ -29,9 +29,9 @@ pub(crate) struct Pieces<'a> {
 
 impl<'a> Pieces<'a> {
     /// Returns a counter of `of` pieces, none of them done.
-    pub(crate) fn new(watch: Watch<'a>, what: &'static str, of: usize) -> Pieces<'a> {
+    pub(crate) fn new(progress: RenderProgress<'a>, what: &'static str, of: usize) -> Pieces<'a> {
         Pieces {
-            watch,
+            progress,
             what,
             of,
             done: AtomicUsize::new(0),
@@ -41,7 +41,7 @@ impl<'a> Pieces<'a> {
     /// Counts a piece as done and reports it.
     pub(crate) fn one(&self) {
         let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
-        (self.watch)(Part {
+        (self.progress)(RenderStep {
             what: self.what,
             done,
             of: self.of,
