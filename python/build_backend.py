@@ -16,7 +16,7 @@ import maturin
 from maturin import get_requires_for_build_sdist, get_requires_for_build_wheel  # noqa: F401
 
 ROOT = Path(__file__).resolve().parent.parent
-SCRIPTS = ROOT / "python" / "airr.data" / "scripts"
+SCRIPTS = ROOT / "python" / "midair.data" / "scripts"
 PROGRAMS = ("bake", "fit", "airr-reader")
 #: Profile of cargo: release, or dev, which tests have compiled already.
 PROFILE = os.environ.get("AIRR_PROFILE", "release")
@@ -25,7 +25,7 @@ PROFILE = os.environ.get("AIRR_PROFILE", "release")
 def build_programs() -> None:
     """Build the programs and lay them where maturin packs them."""
     # With the module, so that both builds share what they compile.
-    packages = [word for name in ("bake", "fit", "reader", "airr") for word in ("-p", name)]
+    packages = [word for name in ("bake", "fit", "reader", "midair") for word in ("-p", name)]
     cargo = os.environ.get("CARGO", "cargo")
     build = [cargo, "build", "--profile", PROFILE, "--locked", *packages]
     subprocess.run(build, cwd=ROOT, check=True)

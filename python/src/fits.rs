@@ -13,7 +13,7 @@ use crate::work::{Host, run};
 use crate::{Words, refusal};
 
 /// Estimate of a sheet.
-#[pyclass(frozen, module = "airr._airr")]
+#[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Result {
     result: fit::ResultFile,
     /// The photographs behind the result; `None` if it was read from a file.

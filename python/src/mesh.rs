@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use crate::{Words, refusal};
 
 /// Mesh of a cell, in the units of its file.
-#[pyclass(frozen, module = "airr._airr")]
+#[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Mesh {
     pub(crate) mesh: meshes::Mesh,
 }

@@ -18,7 +18,7 @@ use crate::work::run;
 use crate::{Words, refusal};
 
 /// Ray-shift table. Its arrays are copies.
-#[pyclass(frozen, module = "airr._airr")]
+#[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Table {
     pub(crate) table: Arc<tables::Table>,
     name: PathBuf,

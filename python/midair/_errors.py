@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
-from airr import _airr
+from midair import _midair
 
 
 class Error(Exception):
@@ -32,7 +32,7 @@ class Error(Exception):
         self.file, self.place, self.remedy = _parts(sentence)
 
 
-class AirrWarning(UserWarning):
+class MidairWarning(UserWarning):
     """A doubt about a result: one sentence, as the programs print it."""
 
 
@@ -59,11 +59,11 @@ def refusals() -> Iterator[None]:
     """Turn the refusals of the native module into `Error`."""
     try:
         yield
-    except _airr.Refusal as refusal:
+    except _midair.Refusal as refusal:
         raise Error(str(refusal)) from None
 
 
 def warn(sentences: Iterable[str], stacklevel: int = 3) -> None:
-    """Give each sentence as an `AirrWarning` of the caller's caller."""
+    """Give each sentence as a `MidairWarning` of the caller's caller."""
     for sentence in sentences:
-        warnings.warn(sentence, AirrWarning, stacklevel=stacklevel)
+        warnings.warn(sentence, MidairWarning, stacklevel=stacklevel)

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from airr import _airr
-from airr._errors import Error, refusals, warn
-from airr._picture import Picture, is_file, planes
-from airr._progress import Progress, told
-from airr._table import Floats, Table
-from airr._table import open as open_table
-from airr._words import File, Numbers, text, words
+from midair import _midair
+from midair._errors import Error, refusals, warn
+from midair._picture import Picture, is_file, planes
+from midair._progress import Progress, told
+from midair._table import Floats, Table
+from midair._table import open as open_table
+from midair._words import File, Numbers, text, words
 
 if TYPE_CHECKING:
     import xarray
@@ -122,7 +122,7 @@ def measure(
     )
     held = None if is_file(image) else planes(image, "array")
     with refusals():
-        made = _airr.measure(words("array" if held else image, json=True, **options), held)
+        made = _midair.measure(words("array" if held else image, json=True, **options), held)
     data = cast("dict[str, Any]", json.loads(made))
     warn(data["warnings"])
     return Edge(
@@ -226,7 +226,7 @@ class Result:
         All that ``fit estimate -o`` writes.
     """
 
-    def __init__(self, result: _airr.Result, table: Table, has_pitch: bool = True) -> None:
+    def __init__(self, result: _midair.Result, table: Table, has_pitch: bool = True) -> None:
         self._result = result
         self._has_pitch = has_pitch
         self._table = table
@@ -279,7 +279,7 @@ class Result:
         Error
             If the result was loaded from a file, which does not hold the photographs.
         """
-        made = self._result.report("airr.estimate(...)")
+        made = self._result.report("midair.estimate(...)")
         if made is None:
             raise Error("the result was loaded from a file; estimate again for a report")
         return Report(made)
@@ -370,7 +370,7 @@ class Result:
         source = table or self._table
         options = dict(distance=distance, incidence=incidence, azimuth=azimuth, frequency=frequency)
         with refusals():
-            made = _airr.predict(
+            made = _midair.predict(
                 words("result", table="table", json=True, **options),
                 self._result,
                 source._table,
@@ -503,7 +503,7 @@ class Result:
             )
         named = dict(source="picture", params="result", table="table", output="image.exr")
         with refusals():
-            made, facts = _airr.render(
+            made, facts = _midair.render(
                 words(**named, **options),
                 self._result,
                 (table or self._table)._table,
@@ -558,7 +558,7 @@ class Result:
         if picture is not None:
             named["source"] = "picture"
         with refusals():
-            page, facts = _airr.explore(
+            page, facts = _midair.explore(
                 words("result", **named, **options),
                 self._result,
                 (table or self._table)._table,
@@ -568,7 +568,7 @@ class Result:
         return Report(page)
 
     def __repr__(self) -> str:
-        return f"<airr.Result: {self._said()}, {self.verdict}>"
+        return f"<midair.Result: {self._said()}, {self.verdict}>"
 
     def _said(self) -> str:
         return ", ".join(f"{name} = {value}" for name, value in self._named() if value)
@@ -749,7 +749,7 @@ def estimate(
     file = _MEMORY if campaign else captures
     try:
         with refusals(), told(progress) as tell:
-            made = _airr.estimate(
+            made = _midair.estimate(
                 words(file, table=first, **options),
                 [one._table for one in tables],
                 campaign,
@@ -778,7 +778,7 @@ def load(path: File, table: Table | File, *, channel: str | None = None) -> Resu
     """
     source = table if isinstance(table, Table) else open_table(table)
     with refusals():
-        return Result(_airr.read_result(os.fspath(path), channel), source)
+        return Result(_midair.read_result(os.fspath(path), channel), source)
 
 
 def sheet(
@@ -819,7 +819,7 @@ def sheet(
         source = table if isinstance(table, Table) else open_table(table)
     elif sheet is not None:
         with refusals():
-            source = Table(_airr.table_of_sheet(sheet))
+            source = Table(_midair.table_of_sheet(sheet))
     else:
         raise TypeError("give the table of the sheet's cell, or the name of a nominal sheet")
     options = dict(
@@ -834,7 +834,7 @@ def sheet(
         pixel_pitch=pixel_pitch,
     )
     with refusals():
-        made = _airr.sheet(words(**options), source._table)
+        made = _midair.sheet(words(**options), source._table)
     return Result(made, source, has_pitch=pixel_pitch is not None)
 
 
@@ -866,7 +866,7 @@ def simulate(
     """
     options = dict(output=output, table=table, force=force, threads=threads)
     with refusals():
-        data = json.loads(_airr.simulate(words(params, **options)))
+        data = json.loads(_midair.simulate(words(params, **options)))
     warn(data["warnings"])
     return cast(str, data["manifest"])
 
@@ -933,4 +933,4 @@ def study(
     )
     arguments = () if captures is None else (captures,)
     with refusals(), told(progress) as tell:
-        return cast("dict[str, Any]", json.loads(_airr.study(words(*arguments, **options), tell)))
+        return cast("dict[str, Any]", json.loads(_midair.study(words(*arguments, **options), tell)))

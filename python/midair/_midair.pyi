@@ -1,4 +1,4 @@
-"""The native half of the package. `airr` gives it signatures."""
+"""The native half of the package. `midair` gives it signatures."""
 
 from collections.abc import Callable, Sequence
 
