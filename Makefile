@@ -211,7 +211,8 @@ test-package: tools python
 	@rm -rf .tools/dist && AIRR_PROFILE=dev && export AIRR_PROFILE && $(call wheel_into,.tools/dist)
 	@$(pip) --force-reinstall --no-deps .tools/dist/midair-*.whl
 	@cd python/tests && "$(VENV)/bin/python" -m unittest $(PACKAGE_TESTS)
-PACKAGE_TESTS = test_programs test_tables test_arrays test_evaluate test_process test_signatures test_pages
+PACKAGE_TESTS = test_programs test_pickles test_tables test_arrays test_evaluate test_process \
+	test_signatures test_pages
 
 # The wheel as a user installs it, in a new environment and with an empty PATH: all tests of the
 # package, its examples, its programs and its notebooks.

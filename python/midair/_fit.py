@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import io
 import json
 import os
 import re
@@ -20,7 +19,7 @@ from midair._picture import Picture, is_file, planes
 from midair._progress import Progress, told
 from midair._table import Floats, Table
 from midair._table import open as open_table
-from midair._words import File, Numbers, text, words
+from midair._words import File, Numbers, in_python, text, words
 
 if TYPE_CHECKING:
     import xarray
@@ -134,7 +133,7 @@ def measure(
         data["edge_angle_deg"],
         data["contrast"],
         data["frequency_unit"],
-        data["warnings"],
+        [in_python(warning) for warning in data["warnings"]],
         data,
     )
 
@@ -191,9 +190,9 @@ class Report:
     html: str = field(repr=False)
 
     def save(self, path: File) -> None:
-        """Write the page to a file."""
-        with io.open(path, "w", encoding="utf-8") as file:
-            file.write(self.html)
+        """Write the page to a file, whole or not at all."""
+        with refusals():
+            _midair.write(os.fspath(path), self.html)
 
     def _repr_html_(self) -> str:
         # A frame of its own, so that the styles of page and notebook do not mix.
@@ -242,8 +241,8 @@ class Result:
         self.suspects: list[dict[str, Any]] = fit.get("suspects", [])
         self.chi2: float | None = fit.get("chi2")
         self.degrees_of_freedom: float | None = fit.get("degrees_of_freedom")
-        self.warnings: list[str] = data["warnings"] + [
-            f"{capture['image']}: {warning}"
+        self.warnings: list[str] = [in_python(warning) for warning in data["warnings"]] + [
+            f"{capture['image']}: {in_python(warning)}"
             for capture in data["captures"]
             for warning in capture["warnings"]
         ]
@@ -263,13 +262,18 @@ class Result:
         """Models that were compared, the best first, each with its criterion (BIC)."""
         return cast("list[dict[str, Any]]", self.data["candidates"])
 
-    def to_json(self, path: File | None = None) -> str:
-        """Return the result as ``fit estimate -o`` writes it, and write it to `path` if given."""
-        made = self._result.json()
-        if path is not None:
-            with io.open(path, "w", encoding="utf-8") as file:
-                file.write(made)
-        return made
+    def to_json(self) -> str:
+        """Return the result as ``fit estimate -o`` writes it."""
+        return self._result.json()
+
+    def save(self, path: File) -> None:
+        """Write the result to a file as ``fit estimate -o`` does, whole or not at all."""
+        with refusals():
+            _midair.write(os.fspath(path), self.to_json())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Photographs stay behind, as in a file: the copy has no `report`.
+        return _of_json, (self.to_json(), self._table, self._has_pitch)
 
     def report(self) -> Report:
         """Return the page with estimates, curves, choice of the model and warnings.
@@ -277,11 +281,11 @@ class Result:
         Raises
         ------
         Error
-            If the result was loaded from a file, which does not hold the photographs.
+            If the result was loaded from a file or a pickle, which do not hold the photographs.
         """
         made = self._result.report("midair.estimate(...)")
         if made is None:
-            raise Error("the result was loaded from a file; estimate again for a report")
+            raise Error("the result holds no photographs; estimate again for a report")
         return Report(made)
 
     def curves(self) -> xarray.Dataset:
@@ -597,6 +601,12 @@ class Result:
         return f"<table>{rows}</table>"
 
 
+def _of_json(text: str, table: Table, has_pitch: bool) -> Result:
+    """Return the result of a pickle."""
+    with refusals():
+        return Result(_midair.result_of_json(text), table, has_pitch)
+
+
 def _toml(value: Any) -> str:
     """Return a value of a manifest as TOML."""
     if isinstance(value, (bool, np.bool_)):
@@ -765,7 +775,7 @@ def estimate(
 
 
 def load(path: File, table: Table | File, *, channel: str | None = None) -> Result:
-    """Load a result that ``fit estimate -o`` or `Result.to_json` wrote.
+    """Load a result that ``fit estimate -o`` or `Result.save` wrote.
 
     Parameters
     ----------

@@ -79,8 +79,17 @@ class Mesh:
         with refusals():
             self._mesh.write(os.fspath(path))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _of_obj, (self._mesh.obj(),)
+
     def __repr__(self) -> str:
         return f"<midair.Mesh {self.design}: {len(self.faces)} facets>"
+
+
+def _of_obj(text: str) -> Mesh:
+    """Return the mesh of a pickle."""
+    with refusals():
+        return Mesh._of(_midair.Mesh.of_obj(text))
 
 
 def design(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import pathlib
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -295,6 +297,12 @@ class Table:
         with refusals():
             self._table.write(os.fspath(path))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "table.h5"
+            self.save(path)
+            return _of_bytes, (path.read_bytes(), self._table.name)
+
     def __repr__(self) -> str:
         directions = f"{len(self.incidence_deg)} x {len(self.azimuth_deg)} directions"
         kind = "exact" if self.is_exact else "of rays"
@@ -358,6 +366,14 @@ def _of_polygons(paths: Sequence[Path], n: int, generator: np.random.Generator) 
     offsets = np.array([path.offset for path in paths])[chosen]
     made: Floats = np.einsum("nij,nj->ni", matrices, entry) + offsets
     return made
+
+
+def _of_bytes(content: bytes, name: str) -> Table:
+    """Return the table of a pickle, which is that of a file with this content."""
+    with tempfile.TemporaryDirectory() as folder, refusals():
+        path = pathlib.Path(folder) / "table.h5"
+        path.write_bytes(content)
+        return Table(_midair.open(os.fspath(path), name))
 
 
 def open(path: File) -> Table:

@@ -84,6 +84,13 @@ pub(crate) fn read_result(file: PathBuf, channel: Option<&str>) -> PyResult<Resu
     Ok(Result { result, fit: None })
 }
 
+/// Returns the result of a text that [`Result::json`] made.
+#[pyfunction]
+pub(crate) fn result_of_json(text: &str) -> PyResult<Result> {
+    let result = calls::of_json(text).map_err(refusal)?;
+    Ok(Result { result, fit: None })
+}
+
 /// Makes the result of a sheet whose numbers are given by hand.
 #[pyfunction]
 pub(crate) fn sheet(words: Words, table: PyRef<'_, Table>) -> PyResult<Result> {

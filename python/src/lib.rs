@@ -38,6 +38,13 @@ fn use_reader(program: PathBuf) {
     tables::apart::start_with(program);
 }
 
+/// Writes a text to a file, whole or not at all.
+#[pyfunction]
+fn write(py: Python<'_>, path: PathBuf, text: &str) -> PyResult<()> {
+    let written = py.detach(|| tables::Output::reserve(&path)?.commit(text.as_bytes()));
+    written.map_err(refusal)
+}
+
 /// Functions and classes of the module.
 #[pymodule]
 mod _midair {
@@ -45,13 +52,13 @@ mod _midair {
     use super::Refusal;
     #[pymodule_export]
     use super::fits::{
-        Result, estimate, explore, measure, predict, read_picture, read_result, render, sheet,
-        simulate, study, table_of_sheet,
+        Result, estimate, explore, measure, predict, read_picture, read_result, render,
+        result_of_json, sheet, simulate, study, table_of_sheet,
     };
     #[pymodule_export]
     use super::mesh::{Mesh, design};
     #[pymodule_export]
     use super::table::{Table, open, trace};
     #[pymodule_export]
-    use super::use_reader;
+    use super::{use_reader, write};
 }

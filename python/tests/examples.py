@@ -73,7 +73,7 @@ def images(result: midair.Result, folder: Path) -> None:
     image = result.render(source, distance=150, incidence=20, pixel_pitch=0.1)
     print(image.max(), image.shape)
     result.report().save(folder / "report.html")
-    result.to_json(folder / "result.json")
+    result.save(folder / "result.json")
     print(midair.load(folder / "result.json", result.table))
     try:
         midair.trace(midair.design("triangular-pair"), incidence=95)

@@ -10,7 +10,8 @@ from typing import Any
 
 import midair
 import numpy as np
-from common import CAMPAIGN, EDGE, ROOT, Case, read_exr, refusal, run
+from common import CAMPAIGN, EDGE, ROOT, Case, quiet, read_exr, refusal, run
+from midair._words import in_python
 
 
 class Bytes(Case):
@@ -116,7 +117,7 @@ class Numbers(Case):
     def test_predictions(self) -> None:
         file = self.folder / "result.json"
         result = quiet(midair.estimate, CAMPAIGN, self.table)
-        result.to_json(file)
+        result.save(file)
         told = run(
             "fit", "predict", file, "--table", self.folder / "pair.h5", "--distance", "150,300",
             "--incidence", "0:40:20", "--frequency", "0:2:0.5", "--json",
@@ -149,7 +150,7 @@ class Numbers(Case):
 
     def test_images(self) -> None:
         result = quiet(midair.estimate, CAMPAIGN, self.table)
-        result.to_json(self.folder / "result.json")
+        result.save(self.folder / "result.json")
         sign = ROOT / "doc" / "sign.png"
         source, cases = quiet(midair.picture, sign), 0
         options: dict[str, Any]
@@ -174,7 +175,7 @@ class Numbers(Case):
 
     def test_pages_with_sliders(self) -> None:
         result = quiet(midair.estimate, CAMPAIGN, self.table)
-        result.to_json(self.folder / "result.json")
+        result.save(self.folder / "result.json")
         sign, cases = ROOT / "doc" / "sign.png", 0
         options = {"distance": 400, "incidence": 12, "farthest": 900}
         for source in (None, sign):
@@ -302,7 +303,7 @@ class Sentences(Case):
                     call()
                 program, *words = command
                 told = refusal(str(program), *words, code=code)
-                self.assertEqual(caught.exception.sentence, told)
+                self.assertEqual(caught.exception.sentence, with_keywords(told))
                 self.assertTrue(caught.exception.remedy)
         self.tell(len(cases), "refusals")
 
@@ -318,9 +319,51 @@ class Sentences(Case):
         self.assertIn("pixel_pitch_mm", error.sentence)
         with self.assertRaises(midair.Error) as caught:
             midair.trace(midair.design("triangular-pair"), incidence=95)
-        self.assertEqual((caught.exception.file, caught.exception.place), (None, "--incidence"))
+        self.assertEqual((caught.exception.file, caught.exception.place), (None, "incidence"))
         with self.assertRaises(TypeError):
             midair.trace(midair.design("triangular-pair"), incidense=95)  # type: ignore[call-arg]
+
+    def test_errors_name_keywords(self) -> None:
+        pair = midair.design("triangular-pair")
+        table = midair.trace(pair, incidence="0:45:5", azimuth=30, refractive_index=1.49)
+        picture = np.zeros((8, 8), np.float32)
+        sheet = midair.sheet(table, c=0.2, a=4.0, pixel_pitch=0.1)
+        cases: list[tuple[Any, str, str]] = [
+            (lambda: midair.trace(pair, incidence=95), "incidence", "incidence=95"),
+            (lambda: midair.trace(pair, rays=64, tolerance=0.1), "rays", "rays= and tolerance="),
+            (lambda: midair.trace(pair, shard="9/8"), "shard", 'shard="9/8"'),
+            (
+                lambda: midair.trace(pair, method="exact", roughness=0.01),
+                "method",
+                'method="exact": roughness=0.01',
+            ),
+            (lambda: midair.trace(pair, sampler="dice"), "sampler", "'sampler='"),
+            (
+                lambda: midair.estimate(CAMPAIGN, table, model="guo", kernel="eq1"),
+                "kernel",
+                "kernel=",
+            ),
+            (
+                lambda: midair.estimate(CAMPAIGN, table, fit_azimuth=True),
+                "fit_azimuth",
+                "fit_azimuth=True",
+            ),
+            (lambda: sheet.render(picture, 300, 20, forward="random"), "forward", "'forward='"),
+        ]
+        for call, keyword, named in cases:
+            with self.subTest(named):
+                with self.assertRaises(midair.Error) as caught:
+                    quiet(call)
+                self.assertIn(named, caught.exception.sentence)
+                self.assertNotIn(" --", caught.exception.sentence.split("bake trace")[0])
+                self.assertEqual((caught.exception.file, caught.exception.place), (None, keyword))
+        # A command stays one.
+        told = "bake them all: bake trace --azimuth full --seed 3; leave out --fit-azimuth"
+        self.assertEqual(
+            in_python(told),
+            "bake them all: bake trace --azimuth full --seed 3; leave out fit_azimuth=True",
+        )
+        self.tell(len(cases), "errors")
 
     def test_warnings_are_those_of_the_program(self) -> None:
         mesh = self.folder / "pair.obj"
@@ -329,9 +372,24 @@ class Sentences(Case):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             midair.trace(mesh)
+        told = with_keywords(told)
+        self.assertIn("refractive_index= was left out", told)
         self.assertEqual([f"warning: {one.message}" for one in caught], told.splitlines())
         self.assertTrue(all(one.category is midair.MidairWarning for one in caught))
         self.assertEqual({one.filename for one in caught}, {__file__})
+
+
+def with_keywords(told: str) -> str:
+    """Return sentences of this file with the keywords that stand for options in Python."""
+    for option, keyword in (
+        ("--incidence 95", "incidence=95"),
+        ("--method exact: --roughness 0.01", 'method="exact": roughness=0.01'),
+        ("--expect-table", "expect_table="),
+        ("--refractive-index 1", "refractive_index=1"),
+        ("--refractive-index", "refractive_index="),
+    ):
+        told = told.replace(option, keyword)
+    return told
 
 
 def flags(options: dict[str, Any]) -> list[str]:
@@ -351,13 +409,6 @@ def timeless(data: Any) -> Any:
     if isinstance(data, list):
         return [timeless(item) for item in data]
     return data
-
-
-def quiet(call: Any, *arguments: Any, **options: Any) -> Any:
-    """Call without warnings."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return call(*arguments, **options)
 
 
 PARAMS = """
