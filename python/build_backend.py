@@ -8,6 +8,7 @@ without an interpreter, and `airr-reader` has no other code.
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -22,8 +23,8 @@ PROGRAMS = ("bake", "fit", "airr-reader")
 PROFILE = os.environ.get("AIRR_PROFILE", "release")
 
 
-def build_programs() -> None:
-    """Build the programs and lay them where maturin packs them."""
+def build_programs() -> list[Path]:
+    """Build the programs and lay them where maturin packs them. Return them and the module."""
     # With the module, so that both builds share what they compile.
     packages = [word for name in ("bake", "fit", "reader", "midair") for word in ("-p", name)]
     cargo = os.environ.get("CARGO", "cargo")
@@ -34,6 +35,20 @@ def build_programs() -> None:
     SCRIPTS.mkdir(parents=True, exist_ok=True)
     for name in PROGRAMS:
         shutil.copy2(folder / name, SCRIPTS / name)
+    return [*(SCRIPTS / name for name in PROGRAMS), *folder.glob("lib_midair.so")]
+
+
+def tag(files: list[Path]) -> list[str]:
+    """Return maturin's option for the manylinux tag: the oldest C library that all files run with.
+
+    maturin looks at the module only, and holds it against this tag.
+    """
+    needed = [
+        int(minor)
+        for file in files
+        for minor in re.findall(rb"\0GLIBC_2\.(\d+)(?=[.\0])", file.read_bytes())
+    ]
+    return ["--compatibility", f"manylinux_2_{max(needed)}"] if needed else []
 
 
 def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
@@ -50,6 +65,6 @@ def build_sdist(sdist_directory, config_settings=None):
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """Build the wheel (PEP 517)."""
-    build_programs()
-    os.environ["MATURIN_PEP517_ARGS"] = f"--profile {PROFILE}"
+    files = build_programs()
+    os.environ["MATURIN_PEP517_ARGS"] = " ".join(["--profile", PROFILE, *tag(files)])
     return maturin.build_wheel(wheel_directory, config_settings, metadata_directory)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import platform
+import re
 import shutil
 import signal
 import subprocess
@@ -12,6 +14,7 @@ import threading
 import time
 import unittest
 import warnings
+from importlib.metadata import distribution
 from pathlib import Path
 
 import midair
@@ -152,6 +155,23 @@ class Process(Case):
             self.assertEqual(child.returncode, 0, child.stderr)
             self.assertTrue(child.stdout.startswith("ok"), child.stdout)
         self.tell(2, "orders of import")
+
+    def test_the_tag_names_a_c_library_with_which_all_files_run(self) -> None:
+        found = distribution("midair")
+        tagged = re.search(r"^Tag: .*-manylinux_2_(\d+)_", found.read_text("WHEEL") or "", re.M)
+        if sys.platform != "linux" or platform.libc_ver()[0] != "glibc":
+            self.skipTest("the C library is not glibc")
+        assert tagged, found.read_text("WHEEL")
+        native = {"bake", "fit", "airr-reader", "_midair.abi3.so"}
+        needed = {}
+        for file in found.files or []:
+            if file.name in native:
+                content = Path(str(file.locate())).read_bytes()
+                versions = re.findall(rb"\0GLIBC_2\.(\d+)[.\0]", content)
+                needed[file.name] = max(int(version) for version in versions)
+        self.assertEqual(set(needed), native)
+        self.assertEqual(max(needed.values()), int(tagged[1]), needed)
+        self.tell(len(needed), "files")
 
     def test_the_module_shows_no_names_of_hdf5(self) -> None:
         if shutil.which("nm") is None:
