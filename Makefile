@@ -104,15 +104,15 @@ parts:
 test-full: test $(PARTS) test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
 	test-python test-fuzz
 
-# With airr, whose macros want other features: nothing is compiled anew.
+# With midair, whose macros want other features: nothing is compiled anew.
 test-statistics: rust tools
 	@echo "== stated errors over hundreds of drawn campaigns, and other long tests of fit" >&2
-	@$(CARGO) test $(FIT) -p airr --lib --locked -- --ignored \
+	@$(CARGO) test $(FIT) -p midair --lib --locked -- --ignored \
 		$(addprefix --skip ,$(SLOWEST))
 
 test-slowest: rust tools
 	@echo "== the slowest statistics of fit, its pages in a browser, and uneven cubes" >&2
-	@$(CARGO) test $(FIT) -p airr --lib --locked -- --ignored $(SLOWEST)
+	@$(CARGO) test $(FIT) -p midair --lib --locked -- --ignored $(SLOWEST)
 	@$(CARGO) build --workspace --locked
 	@$(CARGO) test -p tests --test all --locked -- --ignored explore:: deviations::
 SLOWEST = statistics_near_full_scale statistics_of_uneven_light statistics_of_bounds \
@@ -190,14 +190,15 @@ test-metrics: build wheel
 # $(1): further packages.
 metrics = { test -x .tools/metrics/bin/python || $(PYTHON) -m venv .tools/metrics; } && \
 	.tools/metrics/bin/python -m pip install --quiet --disable-pip-version-check --upgrade \
-		"$$(ls $(CURDIR)/dist/airr-*.whl)[evaluate]" $(1)
+		"$$(ls $(CURDIR)/dist/midair-*.whl)[evaluate]" $(1)
 
 # ---- The Python package: a wheel with the module and the programs, which `pip install` puts where
 # there is neither Rust nor HDF5.
 
-# The module takes what `build` compiled.
+# The module takes what `build` compiled. The tag of the file follows from the C library that module
+# and programs need (python/build_backend.py).
 wheel: tools
-	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit -p reader -p airr
+	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit -p reader -p midair
 	@rm -rf dist && $(call wheel_into,dist)
 
 # $(1): a folder.
@@ -209,16 +210,17 @@ wheel_into = $(venv) && $(pip) "maturin>=1.16,<2" && PATH="$(VENV)/bin:$$PATH" \
 test-package: tools python
 	@echo "== the Python package" >&2
 	@rm -rf .tools/dist && AIRR_PROFILE=dev && export AIRR_PROFILE && $(call wheel_into,.tools/dist)
-	@$(pip) --force-reinstall --no-deps .tools/dist/airr-*.whl
+	@$(pip) --force-reinstall --no-deps .tools/dist/midair-*.whl
 	@cd python/tests && "$(VENV)/bin/python" -m unittest $(PACKAGE_TESTS)
-PACKAGE_TESTS = test_programs test_tables test_arrays test_evaluate test_process test_signatures test_pages
+PACKAGE_TESTS = test_programs test_pickles test_tables test_arrays test_evaluate test_process \
+	test_signatures test_pages
 
 # The wheel as a user installs it, in a new environment and with an empty PATH: all tests of the
 # package, its examples, its programs and its notebooks.
 test-python: wheel
 	@echo "== the wheel, in a new environment and with an empty PATH" >&2
 	@rm -rf .tools/wheel && $(PYTHON) -m venv .tools/wheel
-	@.tools/wheel/bin/pip install --quiet --disable-pip-version-check dist/airr-*.whl \
+	@.tools/wheel/bin/pip install --quiet --disable-pip-version-check dist/midair-*.whl \
 		-r tests/requirements.txt -r python/notebooks/requirements.txt
 	@cd python/tests && env -i PATH= $(CURDIR)/.tools/wheel/bin/python -m unittest \
 		$(PACKAGE_TESTS) test_notebooks

@@ -8,6 +8,7 @@ without an interpreter, and `airr-reader` has no other code.
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -16,16 +17,16 @@ import maturin
 from maturin import get_requires_for_build_sdist, get_requires_for_build_wheel  # noqa: F401
 
 ROOT = Path(__file__).resolve().parent.parent
-SCRIPTS = ROOT / "python" / "airr.data" / "scripts"
+SCRIPTS = ROOT / "python" / "midair.data" / "scripts"
 PROGRAMS = ("bake", "fit", "airr-reader")
 #: Profile of cargo: release, or dev, which tests have compiled already.
 PROFILE = os.environ.get("AIRR_PROFILE", "release")
 
 
-def build_programs() -> None:
-    """Build the programs and lay them where maturin packs them."""
+def build_programs() -> list[Path]:
+    """Build the programs and lay them where maturin packs them. Return them and the module."""
     # With the module, so that both builds share what they compile.
-    packages = [word for name in ("bake", "fit", "reader", "airr") for word in ("-p", name)]
+    packages = [word for name in ("bake", "fit", "reader", "midair") for word in ("-p", name)]
     cargo = os.environ.get("CARGO", "cargo")
     build = [cargo, "build", "--profile", PROFILE, "--locked", *packages]
     subprocess.run(build, cwd=ROOT, check=True)
@@ -34,6 +35,24 @@ def build_programs() -> None:
     SCRIPTS.mkdir(parents=True, exist_ok=True)
     for name in PROGRAMS:
         shutil.copy2(folder / name, SCRIPTS / name)
+    return [*(SCRIPTS / name for name in PROGRAMS), *folder.glob("lib_midair.so")]
+
+
+def tag(files: list[Path]) -> list[str]:
+    """Return maturin's option for the manylinux tag: the oldest C library that all files run with.
+
+    maturin looks at the module only, and holds it against this tag. An older tag needs zig as the C
+    compiler. Tried with `airr-reader` and HDF5: cargo zigbuild --target
+    x86_64-unknown-linux-gnu.2.17 makes a program for glibc 2.17, once tables/hdf5.cmake sets
+    CMAKE_C_COMPILER to the CC_x86_64_unknown_linux_gnu of the environment. It is not done: all
+    crates would be compiled again for that target, and nothing be shared with `make build`.
+    """
+    needed = [
+        int(minor)
+        for file in files
+        for minor in re.findall(rb"\0GLIBC_2\.(\d+)(?=[.\0])", file.read_bytes())
+    ]
+    return ["--compatibility", f"manylinux_2_{max(needed)}"] if needed else []
 
 
 def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
@@ -50,6 +69,6 @@ def build_sdist(sdist_directory, config_settings=None):
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """Build the wheel (PEP 517)."""
-    build_programs()
-    os.environ["MATURIN_PEP517_ARGS"] = f"--profile {PROFILE}"
+    files = build_programs()
+    os.environ["MATURIN_PEP517_ARGS"] = " ".join(["--profile", PROFILE, *tag(files)])
     return maturin.build_wheel(wheel_directory, config_settings, metadata_directory)

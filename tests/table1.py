@@ -2,7 +2,7 @@
 
     python tests/table1.py BIN_FOLDER OUT_FOLDER [--seeded-lpips]
 
-It needs the package airr with its extra `evaluate`. LPIPS is scored where torch, lpips and its
+It needs the package midair with its extra `evaluate`. LPIPS is scored where torch, lpips and its
 weights are there; with --seeded-lpips by random weights, which only show that it is scored.
 
 All models are fitted to the same photographs of edges. The truth is wave optics of the cubes
@@ -19,7 +19,7 @@ import sys
 import zlib
 from pathlib import Path
 
-import airr
+import midair
 import numpy as np
 
 SHEETS = {"A": {"c": 0.40, "mu": 0.5}, "B": {"c": 0.18, "mu": 0.3}}
@@ -51,7 +51,7 @@ def write_png(path, image, bits=16):
 
 
 def read(path):
-    return airr.picture(path)
+    return midair.picture(path)
 
 
 def srgb(light):
@@ -304,7 +304,7 @@ def main():
                 for model in MODELS:
                     render(model, "model.png")
                     pair = [work / "model.png", work / "photo.png"]
-                    score = airr.evaluate(*pair, network=network)
+                    score = midair.evaluate(*pair, network=network)
                     scores[name, distance, model, content] = vars(score)
                     row.append(read(work / "model.png"))
                 if name == "A" and (content != "natural" or distance == 150):

@@ -13,7 +13,7 @@ use crate::work::{Host, run};
 use crate::{Words, refusal};
 
 /// Estimate of a sheet.
-#[pyclass(frozen, module = "airr._airr")]
+#[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Result {
     result: fit::ResultFile,
     /// The photographs behind the result; `None` if it was read from a file.
@@ -81,6 +81,13 @@ pub(crate) fn estimate(
 #[pyfunction]
 pub(crate) fn read_result(file: PathBuf, channel: Option<&str>) -> PyResult<Result> {
     let result = calls::read(&file, channel).map_err(refusal)?;
+    Ok(Result { result, fit: None })
+}
+
+/// Returns the result of a text that [`Result::json`] made.
+#[pyfunction]
+pub(crate) fn result_of_json(text: &str) -> PyResult<Result> {
+    let result = calls::of_json(text).map_err(refusal)?;
     Ok(Result { result, fit: None })
 }
 

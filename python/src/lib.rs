@@ -1,9 +1,9 @@
-//! The native half of the Python package `airr`: tables, meshes and fits as classes, and the verbs
-//! of `bake` and `fit` as functions.
+//! The native half of the Python package `midair`: tables, meshes and fits as classes, and the
+//! verbs of `bake` and `fit` as functions.
 //!
 //! Options enter as the words of a command line, so that a name, a default and a refusal are those
-//! of the programs. The Python half (`airr/*.py`) gives them signatures, and makes xarray datasets
-//! of arrays. Long work runs on another thread without the lock of the interpreter: meanwhile the
+//! of the programs. The Python half (`midair/*.py`) gives them signatures, and makes xarray
+//! datasets of arrays. Long work runs on another thread without the lock of the interpreter: meanwhile the
 //! calling thread looks for Ctrl-C and tells the progress.
 
 mod arrays;
@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 
 pyo3::create_exception!(
-    _airr,
+    _midair,
     Refusal,
     pyo3::exceptions::PyException,
     "The reason why a verb did not do its work, as one sentence."
@@ -38,20 +38,27 @@ fn use_reader(program: PathBuf) {
     tables::apart::start_with(program);
 }
 
+/// Writes a text to a file, whole or not at all.
+#[pyfunction]
+fn write(py: Python<'_>, path: PathBuf, text: &str) -> PyResult<()> {
+    let written = py.detach(|| tables::Output::reserve(&path)?.commit(text.as_bytes()));
+    written.map_err(refusal)
+}
+
 /// Functions and classes of the module.
 #[pymodule]
-mod _airr {
+mod _midair {
     #[pymodule_export]
     use super::Refusal;
     #[pymodule_export]
     use super::fits::{
-        Result, estimate, explore, measure, predict, read_picture, read_result, render, sheet,
-        simulate, study, table_of_sheet,
+        Result, estimate, explore, measure, predict, read_picture, read_result, render,
+        result_of_json, sheet, simulate, study, table_of_sheet,
     };
     #[pymodule_export]
     use super::mesh::{Mesh, design};
     #[pymodule_export]
     use super::table::{Table, open, trace};
     #[pymodule_export]
-    use super::use_reader;
+    use super::{use_reader, write};
 }

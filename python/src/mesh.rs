@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use crate::{Words, refusal};
 
 /// Mesh of a cell, in the units of its file.
-#[pyclass(frozen, module = "airr._airr")]
+#[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Mesh {
     pub(crate) mesh: meshes::Mesh,
 }
@@ -94,6 +94,18 @@ impl Mesh {
         &self.mesh.hash
     }
 
+    /// Returns the text of the mesh as an OBJ file.
+    fn obj(&self) -> String {
+        meshes::write::obj(&self.mesh)
+    }
+
+    /// Returns the mesh that this text of an OBJ file holds.
+    #[staticmethod]
+    fn of_obj(text: &str) -> PyResult<Self> {
+        let mesh = meshes::obj::parse(text.as_bytes()).map_err(refusal)?;
+        Ok(Mesh { mesh })
+    }
+
     /// Writes the mesh to a file, .obj or .glb.
     fn write(&self, path: PathBuf) -> PyResult<()> {
         bake::cli::calls::write(&self.mesh, &path).map_err(refusal)
@@ -103,9 +115,7 @@ impl Mesh {
 impl Mesh {
     /// Returns the mesh as it is read from the OBJ file that it would be written to.
     fn read_back(mesh: &meshes::Mesh) -> PyResult<Self> {
-        let text = meshes::write::obj(mesh);
-        let mesh = meshes::obj::parse(text.as_bytes()).map_err(refusal)?;
-        Ok(Mesh { mesh })
+        Mesh::of_obj(&meshes::write::obj(mesh))
     }
 }
 

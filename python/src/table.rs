@@ -18,7 +18,7 @@ use crate::work::run;
 use crate::{Words, refusal};
 
 /// Ray-shift table. Its arrays are copies.
-#[pyclass(frozen, module = "airr._airr")]
+#[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Table {
     pub(crate) table: Arc<tables::Table>,
     name: PathBuf,
@@ -272,15 +272,16 @@ impl Table {
     }
 }
 
-/// Reads a table, by the small reading program.
+/// Reads a table, by the small reading program. Messages call it `name`, or else by its path.
 #[pyfunction]
-pub(crate) fn open(py: Python<'_>, path: PathBuf) -> PyResult<Table> {
+#[pyo3(signature = (path, name=None))]
+pub(crate) fn open(py: Python<'_>, path: PathBuf, name: Option<PathBuf>) -> PyResult<Table> {
     let table = run(py, None, |_| {
         tables::read(&path).map_err(|error| Refused::Sentence(error.to_string()))
     })?;
     Ok(Table {
         table: Arc::new(table),
-        name: path,
+        name: name.unwrap_or(path),
     })
 }
 

@@ -75,7 +75,7 @@ pub(crate) fn run<T: Send>(
         (Some(error), _) => Err(error),
         (None, Ok(made)) => made.map_err(refusal),
         (None, Err(_)) => Err(refusal(
-            "a fault inside of airr; report it with the lines above and what you called",
+            "a fault inside of midair; report it with the lines above and what you called",
         )),
     }
 }

@@ -7,7 +7,9 @@ import subprocess
 import sysconfig
 import tempfile
 import unittest
+import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +30,13 @@ def run(program: str, *arguments: object, code: int = 0) -> subprocess.Completed
 def refusal(program: str, *arguments: object, code: int = 1) -> str:
     """Return the sentence with which a program refuses."""
     return run(program, *arguments, code=code).stderr.splitlines()[-1].removeprefix("error: ")
+
+
+def quiet(call: Any, *arguments: Any, **options: Any) -> Any:
+    """Call without warnings."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return call(*arguments, **options)
 
 
 def read_exr(path: Path) -> np.ndarray:

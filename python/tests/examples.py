@@ -8,23 +8,23 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-import airr
+import midair
 import numpy as np
 
 
-def readme(captures: str) -> airr.Result:
+def readme(captures: str) -> midair.Result:
     """The three lines of the README."""
-    table = airr.trace(airr.design("triangular-pair"), refractive_index=1.49, azimuth=30)
-    result = airr.estimate(captures, table)
+    table = midair.trace(midair.design("triangular-pair"), refractive_index=1.49, azimuth=30)
+    result = midair.estimate(captures, table)
     result.predict(distance=[150, 300], incidence=range(0, 50, 5)).mtf
     return result
 
 
 def tables(folder: Path) -> None:
     """Tables: made, read, looked up."""
-    mesh = airr.design("triangular-pair", edge_length=0.18, dihedral_error_mrad=[0.1, 0, 0])
+    mesh = midair.design("triangular-pair", edge_length=0.18, dihedral_error_mrad=[0.1, 0, 0])
     mesh.save(folder / "pair.obj")
-    table = airr.trace(
+    table = midair.trace(
         folder / "pair.obj",
         folder / "pair.h5",
         refractive_index=1.49,
@@ -32,7 +32,7 @@ def tables(folder: Path) -> None:
         azimuth="full:30",
         progress=lambda what, done, of: None,
     )
-    table = airr.open(folder / "pair.h5")
+    table = midair.open(folder / "pair.h5")
     eta: float = table.eta_at(10, 15)
     areas = [path.weight * path.area for path in table.polygons(10, 15)]
     u = np.linspace(-2, 2, 9)
@@ -42,11 +42,11 @@ def tables(folder: Path) -> None:
     print(eta, sum(areas), otf.shape, shifts.mean(axis=0), data.sizes["azimuth_deg"])
 
 
-def photographs(captures: str, result: airr.Result) -> None:
+def photographs(captures: str, result: midair.Result) -> None:
     """Photographs: measured, from files and arrays."""
     folder = Path(captures).parent
-    picture = airr.picture(folder / "source.exr")
-    edge = airr.measure(picture, pixel_pitch=0.05, at=[0.5, 1.0])
+    picture = midair.picture(folder / "source.exr")
+    edge = midair.measure(picture, pixel_pitch=0.05, at=[0.5, 1.0])
     print(edge.mtf50, edge.unit, edge.to_xarray().sizes)
     assert result.c is not None and result.c.value is not None
     campaign = {
@@ -54,7 +54,7 @@ def photographs(captures: str, result: airr.Result) -> None:
         "reference": {"image": picture},
         "capture": [
             {
-                "image": airr.picture(folder / "aerial_150mm_20deg_tan.exr"),
+                "image": midair.picture(folder / "aerial_150mm_20deg_tan.exr"),
                 "floating_distance_mm": 150,
                 "incidence_deg": 20,
                 "azimuth_deg": 30,
@@ -62,22 +62,22 @@ def photographs(captures: str, result: airr.Result) -> None:
             }
         ],
     }
-    alone = airr.estimate(campaign, result.table, kernel="eq1", lobe="radial")
+    alone = midair.estimate(campaign, result.table, kernel="eq1", lobe="radial")
     print(alone.c, alone.a, alone.mu, alone.verdict, alone.curves().sizes)
 
 
-def images(result: airr.Result, folder: Path) -> None:
+def images(result: midair.Result, folder: Path) -> None:
     """Images: rendered, and what is kept."""
     source = np.zeros((64, 64, 3), np.float32)
     source[16:48, 16:48] = [1.0, 0.5, 0.0]
     image = result.render(source, distance=150, incidence=20, pixel_pitch=0.1)
     print(image.max(), image.shape)
     result.report().save(folder / "report.html")
-    result.to_json(folder / "result.json")
-    print(airr.load(folder / "result.json", result.table))
+    result.save(folder / "result.json")
+    print(midair.load(folder / "result.json", result.table))
     try:
-        airr.trace(airr.design("triangular-pair"), incidence=95)
-    except airr.Error as error:
+        midair.trace(midair.design("triangular-pair"), incidence=95)
+    except midair.Error as error:
         print(error.file, error.place, error.remedy)
 
 

@@ -7,7 +7,7 @@ import unittest
 import warnings
 from typing import Any
 
-import airr
+import midair
 import numpy as np
 from common import CAMPAIGN, EDGE, Case
 
@@ -16,13 +16,13 @@ def in_memory() -> dict[str, Any]:
     """Return the campaign with arrays in place of files."""
     campaign = tomllib.loads(CAMPAIGN.read_text())
     for shot in [campaign["reference"], *campaign["capture"]]:
-        shot["image"] = airr.picture(CAMPAIGN.parent / shot["image"])
+        shot["image"] = midair.picture(CAMPAIGN.parent / shot["image"])
     return campaign
 
 
 class Arrays(Case):
     def test_an_array_is_measured_as_its_file(self) -> None:
-        file, array = airr.measure(EDGE), airr.picture(EDGE)
+        file, array = midair.measure(EDGE), midair.picture(EDGE)
         shades = np.stack([array] * 3, axis=-1)
         cases: list[tuple[Any, float]] = [
             (array, 0.0),
@@ -36,29 +36,29 @@ class Arrays(Case):
             (array.astype(np.float16), 3e-3),
         ]
         for picture, within in cases:
-            edge = airr.measure(picture)
+            edge = midair.measure(picture)
             self.assertLessEqual(abs(edge.mtf50 / file.mtf50 - 1), within, picture.dtype)
             self.assertEqual(edge.unit, file.unit)
-        green = airr.measure(shades * [0.5, 1, 0.5], channel="green")
+        green = midair.measure(shades * [0.5, 1, 0.5], channel="green")
         self.assertEqual(green.mtf50, file.mtf50)
         self.tell(len(cases) + 1, "arrays")
 
     def test_estimates_from_arrays_are_those_from_files(self) -> None:
-        table = airr.trace(
-            airr.design("triangular-pair"), refractive_index=1.49, incidence="0:45:5", azimuth=30
+        table = midair.trace(
+            midair.design("triangular-pair"), refractive_index=1.49, incidence="0:45:5", azimuth=30
         )
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            files = airr.estimate(CAMPAIGN, table)
-            arrays = airr.estimate(in_memory(), table)
+            files = midair.estimate(CAMPAIGN, table)
+            arrays = midair.estimate(in_memory(), table)
         self.assertFalse(np.isinf(arrays.curves().residual).any())
         # Paths and arrays may stand side by side, and numbers may be numpy's.
         mixed = tomllib.loads(CAMPAIGN.read_text())
-        mixed["reference"]["image"] = airr.picture(CAMPAIGN.parent / "source.exr")
+        mixed["reference"]["image"] = midair.picture(CAMPAIGN.parent / "source.exr")
         mixed["capture"][3]["incidence_deg"] = np.array(mixed["capture"][3]["incidence_deg"])
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            other = airr.estimate(mixed, table, folder=CAMPAIGN.parent)
+            other = midair.estimate(mixed, table, folder=CAMPAIGN.parent)
         self.assertEqual(files.data["c_mm"], other.data["c_mm"])
         for name in ("c_mm", "a_per_mm", "mu", "kernel", "covariance", "candidates", "trusted"):
             self.assertEqual(files.data[name], arrays.data[name], name)
@@ -68,8 +68,8 @@ class Arrays(Case):
         self.tell(len(data.capture), "photographs")
 
     def test_mistakes_in_a_campaign_are_named(self) -> None:
-        table = airr.trace(
-            airr.design("triangular-pair"), refractive_index=1.49, incidence=[0, 45], azimuth=30
+        table = midair.trace(
+            midair.design("triangular-pair"), refractive_index=1.49, incidence=[0, 45], azimuth=30
         )
         cases = 0
 
@@ -77,9 +77,9 @@ class Arrays(Case):
             nonlocal cases
             campaign = in_memory()
             change(campaign)
-            with self.assertRaises(airr.Error) as caught, warnings.catch_warnings():
+            with self.assertRaises(midair.Error) as caught, warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                airr.estimate(campaign, table)
+                midair.estimate(campaign, table)
             for part in parts:
                 self.assertIn(part, caught.exception.sentence)
             cases += 1
@@ -103,7 +103,7 @@ class Arrays(Case):
         refused(lambda c: c["capture"][1].update(incidence_deg=None), "capture 1", "incidence_deg")
         for wrong_shape in ({"capture": {}}, {"reference": np.ones((5, 5))}, {"capture": [3]}):
             with self.assertRaises(TypeError):
-                airr.estimate({**in_memory(), **wrong_shape}, table)
+                midair.estimate({**in_memory(), **wrong_shape}, table)
             cases += 1
         refused(spoil(np.nan), "capture 1", "column 5, row 3", "NaN")
         refused(spoil(np.inf), "capture 1", "column 5, row 3", "inf")
@@ -115,8 +115,8 @@ class Arrays(Case):
             np.array([["a"]]),
             np.zeros((0, 3)),
         ):
-            with self.assertRaises((airr.Error, TypeError)):
-                airr.measure(wrong)
+            with self.assertRaises((midair.Error, TypeError)):
+                midair.measure(wrong)
             cases += 1
         self.tell(cases, "mistakes")
 

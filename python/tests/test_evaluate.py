@@ -8,7 +8,7 @@ import unittest
 import warnings
 from typing import Any
 
-import airr
+import midair
 import numpy as np
 from common import Case
 
@@ -46,12 +46,14 @@ def ssim(a: np.ndarray, b: np.ndarray) -> float:
 
 @unittest.skipIf(
     any(importlib.util.find_spec(name) is None for name in PACKAGES),
-    "airr[evaluate] is not installed",
+    "midair[evaluate] is not installed",
 )
 class Evaluate(Case):
     def test_scores_are_those_of_their_definitions(self) -> None:
         a, b = pictures()
-        scores = airr.evaluate(0.5 * a, 0.5 * b, exposure=2.0, network=lambda p, q: (p - q).mean())
+        scores = midair.evaluate(
+            0.5 * a, 0.5 * b, exposure=2.0, network=lambda p, q: (p - q).mean()
+        )
         shown = [srgb(one) for one in (a, b)]
         mean = np.mean((shown[0] - shown[1]) ** 2)
         # Values are rounded to f32, 6e-8 of 1; the scores are smooth in them.
@@ -68,7 +70,7 @@ class Evaluate(Case):
         a, _ = pictures()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            scores = airr.evaluate(a, a.copy())
+            scores = midair.evaluate(a, a.copy())
         self.assertEqual((scores.psnr_db, scores.flip), (math.inf, 0.0))
         self.assertAlmostEqual(scores.ssim, 1.0, delta=1e-12)
 
@@ -77,15 +79,15 @@ class Evaluate(Case):
             raise OSError("no weights")
 
         a, b = pictures()
-        with self.assertWarns(airr.AirrWarning):
-            self.assertIsNone(airr.evaluate(a, b, network=none).lpips)
+        with self.assertWarns(midair.MidairWarning):
+            self.assertIsNone(midair.evaluate(a, b, network=none).lpips)
 
     def test_pictures_that_cannot_be_compared_are_refused(self) -> None:
         a, b = pictures()
         cases = [(a[:-1], b), (a[:8], b[:8]), (a[..., :2, 0][0], b)]
         for one, other in cases:
-            with self.assertRaises((airr.Error, TypeError)):
-                airr.evaluate(one, other)
+            with self.assertRaises((midair.Error, TypeError)):
+                midair.evaluate(one, other)
 
 
 if __name__ == "__main__":

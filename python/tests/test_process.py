@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import platform
+import re
 import shutil
 import signal
 import subprocess
@@ -12,9 +14,10 @@ import threading
 import time
 import unittest
 import warnings
+from importlib.metadata import distribution
 from pathlib import Path
 
-import airr
+import midair
 from common import CAMPAIGN, Case
 
 #: Rays that take a minute or more on any machine.
@@ -35,23 +38,24 @@ def python(code: str, **options: object) -> subprocess.Popen[str]:
 class Process(Case):
     def test_ctrl_c_ends_long_work(self) -> None:
         table = self.folder / "pair.h5"
-        airr.trace(
-            airr.design("triangular-pair"), table, refractive_index=1.49, azimuth=30
+        midair.trace(
+            midair.design("triangular-pair"), table, refractive_index=1.49, azimuth=30
         )
         ranges = self.folder / "ranges.toml"
         ranges.write_text("[camera]\nwidth = 96\nheight = 64\n")
         works = {
-            "trace": f"airr.trace(airr.design('triangular-pair'), method='rays', rays={MANY})",
-            "study": f"airr.study(ranges={str(ranges)!r}, table={str(table)!r}, campaigns=100000)",
-            "directions": "airr.trace("
-            "airr.design('full-cube', dihedral_error_mrad=[0.5, 0.2, -0.3]), incidence='0,45', "
+            "trace": f"midair.trace(midair.design('triangular-pair'), method='rays', rays={MANY})",
+            "study": f"midair.study(ranges={str(ranges)!r}, table={str(table)!r}, "
+            "campaigns=100000)",
+            "directions": "midair.trace("
+            "midair.design('full-cube', dihedral_error_mrad=[0.5, 0.2, -0.3]), incidence='0,45', "
             "azimuth='full', direction_tolerance=0.003)",
         }
         for name, work in works.items():
             with self.subTest(name):
                 # A job in the background of a shell ignores Ctrl-C, and so would its children.
                 code = f"""
-                import airr, signal, warnings
+                import midair, signal, warnings
                 signal.signal(signal.SIGINT, signal.default_int_handler)
                 warnings.simplefilter("ignore")
                 print("begins", flush=True)
@@ -72,8 +76,8 @@ class Process(Case):
 
     def test_progress_is_told_and_may_stop_the_work(self) -> None:
         told: list[tuple[str, int, int | None]] = []
-        table = airr.trace(
-            airr.design("triangular"),
+        table = midair.trace(
+            midair.design("triangular"),
             refractive_index=1.49,
             method="rays",
             rays=1 << 26,
@@ -89,7 +93,7 @@ class Process(Case):
             raise RuntimeError("enough")
 
         with self.assertRaisesRegex(RuntimeError, "enough"):
-            airr.trace(airr.design("triangular"), method="rays", rays=MANY, progress=stop)
+            midair.trace(midair.design("triangular"), method="rays", rays=MANY, progress=stop)
         self.tell(len(told) + 1, "calls")
 
     def test_other_threads_go_on(self) -> None:
@@ -104,8 +108,12 @@ class Process(Case):
 
         other = threading.Thread(target=count)
         other.start()
-        airr.trace(
-            airr.design("triangular"), refractive_index=1.5, method="rays", rays=1 << 26, threads=1
+        midair.trace(
+            midair.design("triangular"),
+            refractive_index=1.5,
+            method="rays",
+            rays=1 << 26,
+            threads=1,
         )
         ended.set()
         other.join()
@@ -113,31 +121,31 @@ class Process(Case):
         self.assertGreater(counted, 20)
         self.tell(counted, "steps of another thread")
 
-    def test_h5py_and_airr_share_a_process(self) -> None:
+    def test_h5py_and_midair_share_a_process(self) -> None:
         code = """
             import sys, warnings
             first, second = sys.argv[1:3]
             __import__(first); __import__(second)
-            import airr, h5py, numpy
+            import midair, h5py, numpy
             folder = sys.argv[3]
-            pair = airr.design("triangular-pair")
+            pair = midair.design("triangular-pair")
             for turn in range(3):
-                table = airr.trace(pair, f"{folder}/a{turn}.h5", refractive_index=1.49, seed=turn)
+                table = midair.trace(pair, f"{folder}/a{turn}.h5", refractive_index=1.49, seed=turn)
                 with h5py.File(f"{folder}/b{turn}.h5", "w") as file:
                     data = file.create_dataset("x", data=numpy.arange(1e5), compression="gzip")
                     with h5py.File(f"{folder}/a{turn}.h5") as other:
                         assert numpy.array_equal(other["histogram"][()], table.histogram)
-                        again = airr.open(f"{folder}/a{turn}.h5")
+                        again = midair.open(f"{folder}/a{turn}.h5")
                         assert again.content_hash == table.content_hash
                 with h5py.File(f"{folder}/b{turn}.h5") as file:
                     assert file["x"][77] == 77
             try:
-                airr.open(f"{folder}/b0.h5")
-            except airr.Error as error:
+                midair.open(f"{folder}/b0.h5")
+            except midair.Error as error:
                 assert "format" in error.sentence, error
             print("ok", h5py.version.hdf5_version)
         """
-        for order in (["h5py", "airr"], ["airr", "h5py"]):
+        for order in (["h5py", "midair"], ["midair", "h5py"]):
             child = subprocess.run(
                 [sys.executable, "-c", textwrap.dedent(code), *order, str(self.folder)],
                 capture_output=True,
@@ -148,29 +156,46 @@ class Process(Case):
             self.assertTrue(child.stdout.startswith("ok"), child.stdout)
         self.tell(2, "orders of import")
 
+    def test_the_tag_names_a_c_library_with_which_all_files_run(self) -> None:
+        found = distribution("midair")
+        tagged = re.search(r"^Tag: .*-manylinux_2_(\d+)_", found.read_text("WHEEL") or "", re.M)
+        if sys.platform != "linux" or platform.libc_ver()[0] != "glibc":
+            self.skipTest("the C library is not glibc")
+        assert tagged, found.read_text("WHEEL")
+        native = {"bake", "fit", "airr-reader", "_midair.abi3.so"}
+        needed = {}
+        for file in found.files or []:
+            if file.name in native:
+                content = Path(str(file.locate())).read_bytes()
+                versions = re.findall(rb"\0GLIBC_2\.(\d+)[.\0]", content)
+                needed[file.name] = max(int(version) for version in versions)
+        self.assertEqual(set(needed), native)
+        self.assertEqual(max(needed.values()), int(tagged[1]), needed)
+        self.tell(len(needed), "files")
+
     def test_the_module_shows_no_names_of_hdf5(self) -> None:
         if shutil.which("nm") is None:
             self.skipTest("nm is not on PATH")
-        module = Path(airr._airr.__file__)
+        module = Path(midair._midair.__file__)
         dynamic = subprocess.run(["nm", "-D", module], capture_output=True, text=True, check=True)
         names = [line.split()[-1] for line in dynamic.stdout.splitlines() if " T " in line]
-        self.assertIn("PyInit__airr", names)
+        self.assertIn("PyInit__midair", names)
         self.assertFalse([name for name in names if name.startswith("H5")], names)
         self.tell(len(names), "names")
 
     def test_tables_are_opened_by_the_reading_program(self) -> None:
         table = self.folder / "pair.h5"
-        airr.trace(airr.design("triangular-pair"), table, refractive_index=1.49)
+        midair.trace(midair.design("triangular-pair"), table, refractive_index=1.49)
         if sys.platform != "linux":
             self.skipTest("looks at /proc")
         code = f"""
-            import airr
-            from airr import _airr
-            _airr.use_reader  # The program is named once, at the import.
-            print(airr.open({str(table)!r}).is_exact)
+            import midair
+            from midair import _midair
+            _midair.use_reader  # The program is named once, at the import.
+            print(midair.open({str(table)!r}).is_exact)
         """
         # Without the program the table is not read, least of all in this process.
-        from airr import _programs
+        from midair import _programs
 
         found = [place for place in _programs._places() if place.is_file()]
         self.assertTrue(found)
@@ -184,7 +209,7 @@ class Process(Case):
             for place in {place.resolve() for place in found}:
                 place.with_suffix(".away").rename(place)
         self.assertNotEqual(child.returncode, 0)
-        self.assertIn("airr.Error", err.replace("airr._errors.", "airr."))
+        self.assertIn("midair.Error", err.replace("midair._errors.", "midair."))
         self.assertIn("airr-reader", err)
         out, err = python(code).communicate(timeout=60)
         self.assertEqual((out, err), ("True\n", ""))
@@ -192,23 +217,23 @@ class Process(Case):
 
     def test_no_network_home_or_path_is_needed(self) -> None:
         child = subprocess.run(
-            [sys.executable, "-I", "-c", "import airr; print(airr.design('triangular'))"],
+            [sys.executable, "-I", "-c", "import midair; print(midair.design('triangular'))"],
             env={},
             cwd=self.folder,
             capture_output=True,
             text=True,
             check=False,
         )
-        self.assertEqual((child.stdout, child.stderr), ("<airr.Mesh triangular: 3 facets>\n", ""))
+        self.assertEqual((child.stdout, child.stderr), ("<midair.Mesh triangular: 3 facets>\n", ""))
         self.assertFalse(os.listdir(self.folder))
         self.tell(1, "interpreter")
 
     def test_estimates_run_in_several_threads_at_once(self) -> None:
-        table = airr.trace(airr.design("triangular-pair"), refractive_index=1.49, azimuth=30)
+        table = midair.trace(midair.design("triangular-pair"), refractive_index=1.49, azimuth=30)
         made: list[str] = []
 
         def estimate() -> None:
-            result = airr.estimate(CAMPAIGN, table, kernel="eq1", lobe="radial", threads=1)
+            result = midair.estimate(CAMPAIGN, table, kernel="eq1", lobe="radial", threads=1)
             made.append(str(result))
 
         with warnings.catch_warnings():

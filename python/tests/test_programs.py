@@ -8,9 +8,10 @@ import unittest
 import warnings
 from typing import Any
 
-import airr
+import midair
 import numpy as np
-from common import CAMPAIGN, EDGE, ROOT, Case, read_exr, refusal, run
+from common import CAMPAIGN, EDGE, ROOT, Case, quiet, read_exr, refusal, run
+from midair._words import in_python
 
 
 class Bytes(Case):
@@ -35,29 +36,29 @@ class Bytes(Case):
         for name, shape, options in cases:
             with self.subTest(name), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                mesh = airr.design(name, **shape)
+                mesh = midair.design(name, **shape)
                 mesh.save(self.folder / "python.obj")
                 run("bake", "design", name, "-o", self.folder / "mesh.obj", *flags(shape))
                 self.assertEqual(
                     (self.folder / "python.obj").read_bytes(),
                     (self.folder / "mesh.obj").read_bytes(),
                 )
-                of_memory = airr.trace(mesh, self.folder / "memory.h5", **options)
-                airr.trace(self.folder / "mesh.obj", **options).save(self.folder / "file.h5")
+                of_memory = midair.trace(mesh, self.folder / "memory.h5", **options)
+                midair.trace(self.folder / "mesh.obj", **options).save(self.folder / "file.h5")
                 table, obj = self.folder / "table.h5", self.folder / "mesh.obj"
                 run("bake", "trace", obj, "-o", table, *flags(options))
                 for other in ("memory.h5", "file.h5"):
                     same = (self.folder / other).read_bytes() == table.read_bytes()
                     self.assertTrue(same, (name, other))
-                again = airr.open(table)
+                again = midair.open(table)
                 self.assertEqual(again.content_hash, of_memory.content_hash)
                 np.testing.assert_array_equal(again.histogram, of_memory.histogram)
         self.tell(len(cases), "cells")
 
     def test_a_mesh_of_arrays_is_the_mesh_of_its_file(self) -> None:
-        pair = airr.design("triangular-pair")
-        made = airr.Mesh(pair.vertices, pair.faces, design="triangular-pair")
-        a, b = (airr.trace(mesh, refractive_index=1.5, incidence=20) for mesh in (pair, made))
+        pair = midair.design("triangular-pair")
+        made = midair.Mesh(pair.vertices, pair.faces, design="triangular-pair")
+        a, b = (midair.trace(mesh, refractive_index=1.5, incidence=20) for mesh in (pair, made))
         np.testing.assert_array_equal(a.histogram, b.histogram)
 
 
@@ -72,8 +73,8 @@ def page_data(page: str) -> dict[str, Any]:
 class Numbers(Case):
     def setUp(self) -> None:
         super().setUp()
-        self.table = airr.trace(
-            airr.design("triangular-pair"),
+        self.table = midair.trace(
+            midair.design("triangular-pair"),
             self.folder / "pair.h5",
             refractive_index=1.49,
             incidence="0:45:5",
@@ -89,7 +90,7 @@ class Numbers(Case):
         ]
         for options in given:
             told = json.loads(run("fit", "mtf", EDGE, "--json", *flags(options)).stdout)
-            edge = airr.measure(EDGE, **options)
+            edge = midair.measure(EDGE, **options)
             self.assertEqual(edge.data, told)
             np.testing.assert_array_equal(edge.mtf, told["mtf"])
             cases += 1
@@ -107,7 +108,7 @@ class Numbers(Case):
                 "fit", "estimate", CAMPAIGN, "--table", self.folder / "pair.h5", "-o", file,
                 *flags(options),
             )  # fmt: skip
-            result = quiet(airr.estimate, CAMPAIGN, self.folder / "pair.h5", **options)
+            result = quiet(midair.estimate, CAMPAIGN, self.folder / "pair.h5", **options)
             told = json.loads(file.read_text())
             self.assertEqual(timeless(result.data), timeless(told))
             self.assertEqual(timeless(json.loads(result.to_json())), timeless(told))
@@ -115,8 +116,8 @@ class Numbers(Case):
 
     def test_predictions(self) -> None:
         file = self.folder / "result.json"
-        result = quiet(airr.estimate, CAMPAIGN, self.table)
-        result.to_json(file)
+        result = quiet(midair.estimate, CAMPAIGN, self.table)
+        result.save(file)
         told = run(
             "fit", "predict", file, "--table", self.folder / "pair.h5", "--distance", "150,300",
             "--incidence", "0:40:20", "--frequency", "0:2:0.5", "--json",
@@ -136,11 +137,11 @@ class Numbers(Case):
             self.assertEqual(float(at.luminance), prediction["luminance"])
             cases += 1
         self.assertEqual(cases, 2 * 3 * 2)
-        loaded = quiet(airr.load, file, self.table)
+        loaded = quiet(midair.load, file, self.table)
         np.testing.assert_array_equal(
             quiet(loaded.predict, 300, 20).mtf, quiet(result.predict, 300, 20).mtf
         )
-        with self.assertRaises(airr.Error):
+        with self.assertRaises(midair.Error):
             loaded.report()
         self.assertIn("<html", result.report().html)
         self.assertIn("srcdoc", result.report()._repr_html_())
@@ -148,10 +149,10 @@ class Numbers(Case):
         self.tell(cases, "predictions")
 
     def test_images(self) -> None:
-        result = quiet(airr.estimate, CAMPAIGN, self.table)
-        result.to_json(self.folder / "result.json")
+        result = quiet(midair.estimate, CAMPAIGN, self.table)
+        result.save(self.folder / "result.json")
         sign = ROOT / "doc" / "sign.png"
-        source, cases = quiet(airr.picture, sign), 0
+        source, cases = quiet(midair.picture, sign), 0
         options: dict[str, Any]
         for options in (
             {"distance": 300, "incidence": 20, "pixel_pitch": 0.1, "exposure": 15.0},
@@ -173,8 +174,8 @@ class Numbers(Case):
         self.tell(cases, "images")
 
     def test_pages_with_sliders(self) -> None:
-        result = quiet(airr.estimate, CAMPAIGN, self.table)
-        result.to_json(self.folder / "result.json")
+        result = quiet(midair.estimate, CAMPAIGN, self.table)
+        result.save(self.folder / "result.json")
         sign, cases = ROOT / "doc" / "sign.png", 0
         options = {"distance": 400, "incidence": 12, "farthest": 900}
         for source in (None, sign):
@@ -183,7 +184,7 @@ class Numbers(Case):
                 "fit", "explore", self.folder / "result.json", "--table", self.folder / "pair.h5",
                 "-o", page, *flags(options), *([] if source is None else ["--source", source]),
             )  # fmt: skip
-            picture = None if source is None else quiet(airr.picture, source)
+            picture = None if source is None else quiet(midair.picture, source)
             made = quiet(result.explore, picture, **options)
             told, own = (page_data(text) for text in (page.read_text(), made.html))
             # A result in memory has no file name, and neither has a picture.
@@ -194,7 +195,7 @@ class Numbers(Case):
             self.assertEqual(own, told)
             self.assertEqual(bool(own["source"]), source is not None)
             cases += 1
-        with self.assertRaisesRegex(airr.Error, "incidence"):
+        with self.assertRaisesRegex(midair.Error, "incidence"):
             result.explore(incidence=80)
         self.tell(cases, "pages")
 
@@ -212,7 +213,7 @@ class Numbers(Case):
                 self.folder / "pair.h5", "--distance=300", "--incidence=20", "--json",
             )  # fmt: skip
             told = json.loads(told.stdout)["predictions"]
-            sheet = airr.sheet(self.table, c=0.2, pixel_pitch=0.1, **options)
+            sheet = midair.sheet(self.table, c=0.2, pixel_pitch=0.1, **options)
             made = quiet(sheet.predict, 300, 20)
             for index, axis in enumerate(("tangential", "sagittal")):
                 at = made.sel(axis=axis).squeeze()
@@ -223,23 +224,23 @@ class Numbers(Case):
             "fit", "predict", "--sheet=published", "--distance=300", "--incidence=20", "--json"
         )  # fmt: skip
         told = json.loads(told.stdout)["predictions"]
-        made = quiet(quiet(airr.sheet, sheet="published", pixel_pitch=0.1).predict, 300, 20)
+        made = quiet(quiet(midair.sheet, sheet="published", pixel_pitch=0.1).predict, 300, 20)
         np.testing.assert_array_equal(made.sel(axis="tangential").squeeze().mtf, told[0]["mtf"])
-        with self.assertRaisesRegex(airr.Error, "prism-0.1"):
-            airr.sheet(sheet="prism")
+        with self.assertRaisesRegex(midair.Error, "prism-0.1"):
+            midair.sheet(sheet="prism")
         with self.assertRaises(TypeError):
-            airr.sheet(c=0.2)
-        with self.assertRaises(airr.Error):
-            airr.sheet(self.table, c=0.2)
-        with self.assertRaisesRegex(airr.Error, "pixel_pitch"):
-            airr.sheet(self.table, c=0.2, a=4.0).render(picture, 300, 20)
+            midair.sheet(c=0.2)
+        with self.assertRaises(midair.Error):
+            midair.sheet(self.table, c=0.2)
+        with self.assertRaisesRegex(midair.Error, "pixel_pitch"):
+            midair.sheet(self.table, c=0.2, a=4.0).render(picture, 300, 20)
         self.tell(len(cases), "sheets")
 
     def test_campaigns_and_studies(self) -> None:
         params = self.folder / "params.toml"
         params.write_text(PARAMS)
         run("fit", "simulate", params, "-o", self.folder / "program")
-        manifest = airr.simulate(params, self.folder / "python")
+        manifest = midair.simulate(params, self.folder / "python")
         self.assertEqual(manifest, str(self.folder / "python" / "captures.toml"))
         files = sorted(path.name for path in (self.folder / "program").iterdir())
         for name in files:
@@ -248,90 +249,147 @@ class Numbers(Case):
         ranges = ROOT / "fit" / "doc" / "ranges.toml"
         options = {"table": self.folder / "pair.h5", "ranges": ranges, "campaigns": 2, "seed": 5}
         told = json.loads(run("fit", "study", *flags(options), "--json").stdout)
-        self.assertEqual(timeless(airr.study(**options)), timeless(told))
+        self.assertEqual(timeless(midair.study(**options)), timeless(told))
         self.tell(len(files), "files of a campaign, and a study")
 
 
 class Sentences(Case):
     def test_refusals_are_those_of_the_programs(self) -> None:
         mesh, table = self.folder / "pair.obj", self.folder / "pair.h5"
-        airr.design("triangular-pair").save(mesh)
-        airr.trace(mesh, table, refractive_index=1.49, azimuth=30)
+        midair.design("triangular-pair").save(mesh)
+        midair.trace(mesh, table, refractive_index=1.49, azimuth=30)
         broken = self.folder / "broken.toml"
         broken.write_text(CAMPAIGN.read_text().replace("pixel_pitch_mm", "pixel_pich_mm", 1))
         nothing = self.folder / "nothing.h5"
         out = self.folder / "out.h5"
         cases: list[tuple[Any, tuple[object, ...], int]] = [
-            (lambda: airr.trace(nothing), ("bake", "trace", nothing, "-o", out), 1),
+            (lambda: midair.trace(nothing), ("bake", "trace", nothing, "-o", out), 1),
             (
-                lambda: airr.trace(mesh, incidence=95),
+                lambda: midair.trace(mesh, incidence=95),
                 ("bake", "trace", mesh, "-o", out, "--incidence=95"),
                 2,
             ),
             (
-                lambda: airr.trace(mesh, method="exact", roughness=0.01),
+                lambda: midair.trace(mesh, method="exact", roughness=0.01),
                 ("bake", "trace", mesh, "-o", out, "--method=exact", "--roughness=0.01"),
                 1,
             ),
-            (lambda: airr.design("cone"), ("bake", "design", "cone", "-o", out), 2),
-            (lambda: airr.open(mesh), ("bake", "verify", mesh), 1),
-            (lambda: airr.open(nothing), ("bake", "verify", nothing), 1),
-            (lambda: airr.measure(mesh), ("fit", "mtf", mesh), 1),
+            (lambda: midair.design("cone"), ("bake", "design", "cone", "-o", out), 2),
+            (lambda: midair.open(mesh), ("bake", "verify", mesh), 1),
+            (lambda: midair.open(nothing), ("bake", "verify", nothing), 1),
+            (lambda: midair.measure(mesh), ("fit", "mtf", mesh), 1),
             (
-                lambda: airr.estimate(broken, table),
+                lambda: midair.estimate(broken, table),
                 ("fit", "estimate", broken, "--table", table),
                 1,
             ),
             (
-                lambda: airr.estimate(CAMPAIGN, nothing),
+                lambda: midair.estimate(CAMPAIGN, nothing),
                 ("fit", "estimate", CAMPAIGN, "--table", nothing),
                 1,
             ),
             (
-                lambda: airr.estimate(CAMPAIGN, table, expect_table="0" * 64),
+                lambda: midair.estimate(CAMPAIGN, table, expect_table="0" * 64),
                 ("fit", "estimate", CAMPAIGN, "--table", table, "--expect-table", "0" * 64),
                 1,
             ),
-            (lambda: airr.load(mesh, table), ("fit", "predict", mesh, "--table", table,
+            (lambda: midair.load(mesh, table), ("fit", "predict", mesh, "--table", table,
              "--distance=1", "--incidence=0"), 1),
         ]  # fmt: skip
         for call, command, code in cases:
             with self.subTest(command), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                with self.assertRaises(airr.Error) as caught:
+                with self.assertRaises(midair.Error) as caught:
                     call()
                 program, *words = command
                 told = refusal(str(program), *words, code=code)
-                self.assertEqual(caught.exception.sentence, told)
+                self.assertEqual(caught.exception.sentence, with_keywords(told))
                 self.assertTrue(caught.exception.remedy)
         self.tell(len(cases), "refusals")
 
     def test_an_error_names_file_place_and_remedy(self) -> None:
         broken = self.folder / "broken.toml"
         broken.write_text(CAMPAIGN.read_text().replace("pixel_pitch_mm", "pixel_pich_mm", 1))
-        table = airr.trace(airr.design("triangular-pair"), incidence=0, refractive_index=1.49)
-        with self.assertRaises(airr.Error) as caught:
-            airr.estimate(broken, table)
+        table = midair.trace(midair.design("triangular-pair"), incidence=0, refractive_index=1.49)
+        with self.assertRaises(midair.Error) as caught:
+            midair.estimate(broken, table)
         error = caught.exception
         self.assertEqual(error.file, str(broken))
         self.assertTrue(re.fullmatch(r"line \d+", error.place or ""), error.place)
         self.assertIn("pixel_pitch_mm", error.sentence)
-        with self.assertRaises(airr.Error) as caught:
-            airr.trace(airr.design("triangular-pair"), incidence=95)
-        self.assertEqual((caught.exception.file, caught.exception.place), (None, "--incidence"))
+        with self.assertRaises(midair.Error) as caught:
+            midair.trace(midair.design("triangular-pair"), incidence=95)
+        self.assertEqual((caught.exception.file, caught.exception.place), (None, "incidence"))
         with self.assertRaises(TypeError):
-            airr.trace(airr.design("triangular-pair"), incidense=95)  # type: ignore[call-arg]
+            midair.trace(midair.design("triangular-pair"), incidense=95)  # type: ignore[call-arg]
+
+    def test_errors_name_keywords(self) -> None:
+        pair = midair.design("triangular-pair")
+        table = midair.trace(pair, incidence="0:45:5", azimuth=30, refractive_index=1.49)
+        picture = np.zeros((8, 8), np.float32)
+        sheet = midair.sheet(table, c=0.2, a=4.0, pixel_pitch=0.1)
+        cases: list[tuple[Any, str, str]] = [
+            (lambda: midair.trace(pair, incidence=95), "incidence", "incidence=95"),
+            (lambda: midair.trace(pair, rays=64, tolerance=0.1), "rays", "rays= and tolerance="),
+            (lambda: midair.trace(pair, shard="9/8"), "shard", 'shard="9/8"'),
+            (
+                lambda: midair.trace(pair, method="exact", roughness=0.01),
+                "method",
+                'method="exact": roughness=0.01',
+            ),
+            (lambda: midair.trace(pair, sampler="dice"), "sampler", "'sampler='"),
+            (
+                lambda: midair.estimate(CAMPAIGN, table, model="guo", kernel="eq1"),
+                "kernel",
+                "kernel=",
+            ),
+            (
+                lambda: midair.estimate(CAMPAIGN, table, fit_azimuth=True),
+                "fit_azimuth",
+                "fit_azimuth=True",
+            ),
+            (lambda: sheet.render(picture, 300, 20, forward="random"), "forward", "'forward='"),
+        ]
+        for call, keyword, named in cases:
+            with self.subTest(named):
+                with self.assertRaises(midair.Error) as caught:
+                    quiet(call)
+                self.assertIn(named, caught.exception.sentence)
+                self.assertNotIn(" --", caught.exception.sentence.split("bake trace")[0])
+                self.assertEqual((caught.exception.file, caught.exception.place), (None, keyword))
+        # A command stays one.
+        told = "bake them all: bake trace --azimuth full --seed 3; leave out --fit-azimuth"
+        self.assertEqual(
+            in_python(told),
+            "bake them all: bake trace --azimuth full --seed 3; leave out fit_azimuth=True",
+        )
+        self.tell(len(cases), "errors")
 
     def test_warnings_are_those_of_the_program(self) -> None:
         mesh = self.folder / "pair.obj"
-        airr.design("triangular-pair").save(mesh)
+        midair.design("triangular-pair").save(mesh)
         told = run("bake", "trace", mesh, "-o", self.folder / "pair.h5").stderr
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            airr.trace(mesh)
+            midair.trace(mesh)
+        told = with_keywords(told)
+        self.assertIn("refractive_index= was left out", told)
         self.assertEqual([f"warning: {one.message}" for one in caught], told.splitlines())
-        self.assertTrue(all(one.category is airr.AirrWarning for one in caught))
+        self.assertTrue(all(one.category is midair.MidairWarning for one in caught))
         self.assertEqual({one.filename for one in caught}, {__file__})
+
+
+def with_keywords(told: str) -> str:
+    """Return sentences of this file with the keywords that stand for options in Python."""
+    for option, keyword in (
+        ("--incidence 95", "incidence=95"),
+        ("--method exact: --roughness 0.01", 'method="exact": roughness=0.01'),
+        ("--expect-table", "expect_table="),
+        ("--refractive-index 1", "refractive_index=1"),
+        ("--refractive-index", "refractive_index="),
+    ):
+        told = told.replace(option, keyword)
+    return told
 
 
 def flags(options: dict[str, Any]) -> list[str]:
@@ -351,13 +409,6 @@ def timeless(data: Any) -> Any:
     if isinstance(data, list):
         return [timeless(item) for item in data]
     return data
-
-
-def quiet(call: Any, *arguments: Any, **options: Any) -> Any:
-    """Call without warnings."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return call(*arguments, **options)
 
 
 PARAMS = """

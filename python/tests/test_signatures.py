@@ -10,7 +10,7 @@ import sys
 import unittest
 from collections.abc import Callable
 
-import airr
+import midair
 from common import ROOT, Case, run
 
 #: Options that mean something at a command line only.
@@ -19,7 +19,7 @@ OF_A_SHELL = {"output", "json", "help", "list", "plot", "report", "resume", "sav
 OF_PYTHON = {"folder", "progress", "table", "result"}
 #: Options that a prediction in Python does not need.
 OF_PREDICT = {"against", "channel", "floating_distance", "model"}
-#: Options of a sheet without a fit, which are the keywords of `airr.sheet`.
+#: Options of a sheet without a fit, which are the keywords of `midair.sheet`.
 OF_A_SHEET = {"a", "a_times_r", "c", "half_mirror", "kernel", "mu", "sheet", "wavelength_nm"}
 #: Options that stand first in Python, without a keyword of their own name.
 FIRST = {"captures", "mesh", "image", "params", "name", "source"}
@@ -28,20 +28,20 @@ FIRST = {"captures", "mesh", "image", "params", "name", "source"}
 class Signatures(Case):
     def test_keywords_are_the_options_of_the_programs(self) -> None:
         verbs: list[tuple[Callable[..., object], str, str, set[str]]] = [
-            (airr.design, "bake", "design", set()),
-            (airr.trace, "bake", "trace", set()),
-            (airr.measure, "fit", "mtf", set()),
-            (airr.estimate, "fit", "estimate", set()),
-            (airr.simulate, "fit", "simulate", set()),
-            (airr.study, "fit", "study", set()),
+            (midair.design, "bake", "design", set()),
+            (midair.trace, "bake", "trace", set()),
+            (midair.measure, "fit", "mtf", set()),
+            (midair.estimate, "fit", "estimate", set()),
+            (midair.simulate, "fit", "simulate", set()),
+            (midair.study, "fit", "study", set()),
             # Pictures against a quantity are a matter of xarray in Python, model and channel are
             # those of the result, and --floating-distance is another name of --distance.
-            (airr.Result.predict, "fit", "predict", OF_PREDICT | OF_A_SHEET),
-            (airr.Result.render, "fit", "render", OF_PREDICT | OF_A_SHEET | {"beside"}),
-            (airr.Result.explore, "fit", "explore", OF_PREDICT | OF_A_SHEET),
+            (midair.Result.predict, "fit", "predict", OF_PREDICT | OF_A_SHEET),
+            (midair.Result.render, "fit", "render", OF_PREDICT | OF_A_SHEET | {"beside"}),
+            (midair.Result.explore, "fit", "explore", OF_PREDICT | OF_A_SHEET),
         ]
         compared = 0
-        sheet = set(inspect.signature(airr.sheet).parameters)
+        sheet = set(inspect.signature(midair.sheet).parameters)
         self.assertEqual(sheet, OF_A_SHEET | {"table", "pixel_pitch"})
         for function, program, verb, left_out in verbs:
             told = run(program, "completions", "bash").stdout
@@ -61,7 +61,8 @@ class Signatures(Case):
 
     def test_no_default_stands_in_python(self) -> None:
         cases = 0
-        for function in (airr.design, airr.trace, airr.measure, airr.estimate, airr.study):
+        verbs = (midair.design, midair.trace, midair.measure, midair.estimate, midair.study)
+        for function in verbs:
             for one in inspect.signature(function).parameters.values():
                 if one.kind is one.KEYWORD_ONLY:
                     self.assertIn(one.default, (None, False, one.empty), one.name)
@@ -70,8 +71,8 @@ class Signatures(Case):
 
     def test_everything_public_is_described(self) -> None:
         cases = 0
-        for name in airr.__all__:
-            thing = getattr(airr, name)
+        for name in midair.__all__:
+            thing = getattr(midair, name)
             if name == "__version__":
                 continue
             self.assertTrue(inspect.getdoc(thing), name)
@@ -89,7 +90,7 @@ class Signatures(Case):
             self.skipTest("mypy is not installed")
         files = [ROOT / "python" / "tests" / "examples.py"]
         mypy = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--no-incremental"]
-        for what in (["-p", "airr"], files):
+        for what in (["-p", "midair"], files):
             done = subprocess.run(
                 [*mypy, *what], capture_output=True, text=True, check=False, cwd=self.folder
             )

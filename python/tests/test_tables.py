@@ -5,16 +5,16 @@ from __future__ import annotations
 import unittest
 import warnings
 
-import airr
+import midair
 import numpy as np
 from common import Case
 
-PAIR = airr.design("triangular-pair")
+PAIR = midair.design("triangular-pair")
 
 
 class Tables(Case):
     def test_polygons_give_eta_and_the_transfer_function(self) -> None:
-        table = airr.trace(PAIR, refractive_index=1.49, incidence="0:40:20", azimuth=[0, 30])
+        table = midair.trace(PAIR, refractive_index=1.49, incidence="0:40:20", azimuth=[0, 30])
         cases = 0
         for incidence in (0.0, 20.0, 31.0):
             for azimuth in (0.0, 30.0):
@@ -41,8 +41,8 @@ class Tables(Case):
 
     def test_samples_have_the_transfer_function_of_the_table(self) -> None:
         n, cases = 100_000, 0
-        exact = airr.trace(PAIR, refractive_index=1.49, incidence=20, azimuth=30)
-        rays = airr.trace(
+        exact = midair.trace(PAIR, refractive_index=1.49, incidence=20, azimuth=30)
+        rays = midair.trace(
             PAIR, refractive_index=1.49, incidence=20, azimuth=30, method="rays", rays=1 << 20
         )
         for table in (exact, rays):
@@ -60,14 +60,14 @@ class Tables(Case):
         self.tell(cases, "frequencies")
 
     def test_the_nearest_azimuth_is_found_in_a_folded_table(self) -> None:
-        table = airr.trace(PAIR, refractive_index=1.49, incidence=[0, 35], azimuth="full:10")
+        table = midair.trace(PAIR, refractive_index=1.49, incidence=[0, 35], azimuth="full:10")
         folded = table.to_xarray(unfold=False)
         data = table.to_xarray()
         self.assertLess(len(folded.azimuth_deg), len(data.azimuth_deg))
         self.assertEqual(float(data.azimuth_deg[-1]), 360.0)
         cases = 0
         for azimuth in range(0, 360, 10):
-            alone = airr.trace(PAIR, refractive_index=1.49, incidence=[0, 35], azimuth=azimuth)
+            alone = midair.trace(PAIR, refractive_index=1.49, incidence=[0, 35], azimuth=azimuth)
             found = data.sel(azimuth_deg=azimuth, method="nearest")
             self.assertEqual(float(found.azimuth_deg), azimuth)
             np.testing.assert_allclose(found.retroreflected, alone.eta[:, 0], atol=1e-13)
@@ -78,9 +78,9 @@ class Tables(Case):
     def test_datasets_have_names_and_units(self) -> None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            mean = airr.trace(PAIR, incidence=[0, 20], azimuth="mean").to_xarray()
+            mean = midair.trace(PAIR, incidence=[0, 20], azimuth="mean").to_xarray()
         self.assertNotIn("azimuth_deg", mean.dims)
-        data = airr.trace(PAIR, refractive_index=1.49, incidence=[0, 20], azimuth=30).to_xarray()
+        data = midair.trace(PAIR, refractive_index=1.49, incidence=[0, 20], azimuth=30).to_xarray()
         self.assertEqual(data.attrs["Conventions"][:3], "CF-")
         for name, variable in data.variables.items():
             if name != "fate_name":
@@ -91,23 +91,23 @@ class Tables(Case):
         self.tell(len(data.variables), "variables")
 
     def test_directions_outside_are_refused(self) -> None:
-        table = airr.trace(PAIR, refractive_index=1.49, incidence=[0, 20], azimuth=30)
+        table = midair.trace(PAIR, refractive_index=1.49, incidence=[0, 20], azimuth=30)
         for call in (
             lambda: table.eta_at(30),
             lambda: table.polygons(10, 60),
             lambda: table.otf(0.1, 0, 89.0),
             lambda: table.sample(3, 1, 50),
         ):
-            with self.assertRaises(airr.Error) as caught:
+            with self.assertRaises(midair.Error) as caught:
                 call()
             self.assertIn("the nearest direction in it is", caught.exception.sentence)
-        with self.assertRaises(airr.Error):
-            airr.trace(
+        with self.assertRaises(midair.Error):
+            midair.trace(
                 PAIR, refractive_index=1.49, method="rays", rays=1000, incidence=0
             ).polygons(0)
 
 
-def by_midpoints(path: airr.Path, f: np.ndarray, parts: int = 60) -> np.ndarray:
+def by_midpoints(path: midair.Path, f: np.ndarray, parts: int = 60) -> np.ndarray:
     """Return the integral of exp(-2 pi i f s) over a path's polygon, times its weight."""
     first = path.polygon[0]
     total = np.zeros(len(f), complex)

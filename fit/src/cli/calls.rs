@@ -123,6 +123,18 @@ pub fn read(file: &Path, channel: Option<&str>) -> Result<ResultFile, Refused> {
     Ok(read_channel(file, channel)?)
 }
 
+/// Returns the result that [`json`] made this text of.
+///
+/// # Errors
+/// Returns [`Refused`] if the text holds no such result.
+pub fn of_json(text: &str) -> Result<ResultFile, Refused> {
+    serde_json::from_str(text).map_err(|error| {
+        Refused::Sentence(format!(
+            "the text of the result cannot be used ({error}); give what `fit estimate -o` wrote"
+        ))
+    })
+}
+
 /// Returns a result as the text of a RESULT.json.
 pub fn json(result: &ResultFile) -> String {
     output::json(result)

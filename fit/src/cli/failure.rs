@@ -41,8 +41,8 @@ pub(crate) enum Failure {
     Predict(#[from] predict::Error),
     /// Verb that has moved to the Python package.
     #[error(
-        "evaluate: pictures are compared in Python; pip install \"airr[evaluate]\", then \
-        airr.evaluate(\"rendered.png\", \"photograph.png\")"
+        "evaluate: pictures are compared in Python; pip install \"midair[evaluate]\", then \
+        midair.evaluate(\"rendered.png\", \"photograph.png\")"
     )]
     Evaluate,
     /// Failure of the mid-air image.

@@ -59,7 +59,7 @@ fn one_crate_alone_has_the_features_of_the_workspace() {
     for (all, few) in [
         ("", "-p fit"),
         ("", "-p bake"),
-        ("--workspace", "-p fit -p airr"),
+        ("--workspace", "-p fit -p midair"),
     ] {
         let (all, few_of) = (of(all), of(few));
         assert!(few_of.len() > 80, "{few:?}: {}", few_of.len());

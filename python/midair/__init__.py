@@ -2,10 +2,10 @@
 
 Three steps, from nothing to the sharpness of a mid-air image::
 
-    import airr
+    import midair
 
-    table = airr.trace(airr.design("triangular-pair"), refractive_index=1.49, azimuth=30)
-    result = airr.estimate("captures.toml", table)
+    table = midair.trace(midair.design("triangular-pair"), refractive_index=1.49, azimuth=30)
+    result = midair.estimate("captures.toml", table)
     result.predict(distance=[150, 300], incidence=[0, 20, 40]).mtf
 
 The functions are those of the programs `bake` and `fit`: the same numbers, the same defaults, the
@@ -16,22 +16,22 @@ Lengths are in edge lengths of a cube in tables, and in mm in photographs and im
 degrees. Light is linear.
 """
 
-from airr import _programs as _programs
-from airr._errors import AirrWarning, Error
-from airr._evaluate import Scores, evaluate
-from airr._fit import Edge, Estimate, Report, Result
-from airr._fit import estimate, load, measure, sheet, simulate, study
-from airr._mesh import Mesh, design
-from airr._picture import picture
-from airr._table import Path, Table, open, trace
-from airr._version import __version__
+from midair import _programs as _programs
+from midair._errors import Error, MidairWarning
+from midair._evaluate import Scores, evaluate
+from midair._fit import Edge, Estimate, Report, Result
+from midair._fit import estimate, load, measure, sheet, simulate, study
+from midair._mesh import Mesh, design
+from midair._picture import picture
+from midair._table import Path, Table, open, trace
+from midair._version import __version__
 
 __all__ = [
-    "AirrWarning",
     "Edge",
     "Error",
     "Estimate",
     "Mesh",
+    "MidairWarning",
     "Path",
     "Report",
     "Result",

@@ -6,7 +6,7 @@ import sysconfig
 from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 
-from airr import _airr
+from midair import _midair
 
 _NAME = "airr-reader"
 
@@ -14,7 +14,7 @@ _NAME = "airr-reader"
 def _places() -> list[Path]:
     """Return the places of the program: where the wheel was unpacked, then where scripts are."""
     try:
-        packed = [Path(str(file.locate())) for file in files("airr") or [] if file.name == _NAME]
+        packed = [Path(str(file.locate())) for file in files("midair") or [] if file.name == _NAME]
     except PackageNotFoundError:
         packed = []
     beside = Path(__file__).resolve().parents[1] / "bin" / _NAME
@@ -25,7 +25,7 @@ def use() -> None:
     """Name the program to the native module. A missing one is refused when a table is opened."""
     places = _places()
     found = next((place for place in places if place.is_file()), places[-1])
-    _airr.use_reader(str(found.resolve()))
+    _midair.use_reader(str(found.resolve()))
 
 
 use()

@@ -8,11 +8,14 @@ import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
-from airr import _airr
+from midair import _midair
+from midair._words import in_python, keywords
 
 
 class Error(Exception):
-    """The reason why something cannot be done: one sentence, as the programs print it.
+    """The reason why something cannot be done: one sentence.
+
+    It is that of the programs, with keywords (``kernel=``) in place of options (``--kernel``).
 
     Attributes
     ----------
@@ -21,7 +24,7 @@ class Error(Exception):
     file : str or None
         File that the sentence is about.
     place : str or None
-        Line of the file (``"line 12"``), or the option (``"--incidence"``).
+        Line of the file (``"line 12"``), or the keyword (``"incidence"``).
     remedy : str or None
         What to do.
     """
@@ -32,23 +35,24 @@ class Error(Exception):
         self.file, self.place, self.remedy = _parts(sentence)
 
 
-class AirrWarning(UserWarning):
-    """A doubt about a result: one sentence, as the programs print it."""
+class MidairWarning(UserWarning):
+    """A doubt about a result: one sentence, that of the programs with keywords for options."""
 
 
 def _parts(sentence: str) -> tuple[str | None, str | None, str | None]:
     """Return the file, the place and the remedy that a sentence names."""
     head, colon, _ = sentence.partition(": ")
+    named = re.findall(r"(?<![\w.-])([a-z][a-z_]*)=", head if colon else sentence)
+    keyword = next((name for name in named if name in keywords()), None)
     file = place = None
-    if colon and not head.startswith("-"):
+    if colon and not (keyword and head.startswith(f"{keyword}=")):
         found = re.fullmatch(r"(.+?):(\d+)", head)
-        named = found[1] if found else head
-        if found or "/" in named or os.path.exists(named) or re.search(r"\.\w{2,5}$", named):
-            file = named
+        path = found[1] if found else head
+        if found or "/" in path or os.path.exists(path) or re.search(r"\.\w{2,5}$", path):
+            file = path
             place = f"line {found[2]}" if found else None
-    option = re.search(r"(?<![\w-])--[a-z][a-z-]*", head if colon else sentence)
-    if place is None and file is None and option is not None:
-        place = option[0]
+    if file is None:
+        place = keyword
     # A remedy stands behind the last semicolon. A short sentence only says what must be.
     _, semicolon, remedy = sentence.rpartition("; ")
     return file, place, remedy if semicolon else sentence.partition(": ")[2] or None
@@ -59,11 +63,11 @@ def refusals() -> Iterator[None]:
     """Turn the refusals of the native module into `Error`."""
     try:
         yield
-    except _airr.Refusal as refusal:
-        raise Error(str(refusal)) from None
+    except _midair.Refusal as refusal:
+        raise Error(in_python(str(refusal))) from None
 
 
 def warn(sentences: Iterable[str], stacklevel: int = 3) -> None:
-    """Give each sentence as an `AirrWarning` of the caller's caller."""
+    """Give each sentence as a `MidairWarning` of the caller's caller."""
     for sentence in sentences:
-        warnings.warn(sentence, AirrWarning, stacklevel=stacklevel)
+        warnings.warn(in_python(sentence), MidairWarning, stacklevel=stacklevel)

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from airr import _airr
-from airr._errors import refusals
-from airr._words import File, words
+from midair import _midair
+from midair._errors import refusals
+from midair._words import File, words
 
 
 class Mesh:
@@ -45,7 +45,7 @@ class Mesh:
         if indices.size and (indices.min() < 0 or indices.dtype.kind not in "iu"):
             raise TypeError("faces holds indices of vertices: whole numbers from 0")
         with refusals():
-            self._mesh = _airr.Mesh(
+            self._mesh = _midair.Mesh(
                 np.atleast_2d(corners),
                 np.atleast_2d(indices).astype(np.uint32),
                 design,
@@ -54,7 +54,7 @@ class Mesh:
             )
 
     @classmethod
-    def _of(cls, mesh: _airr.Mesh) -> Mesh:
+    def _of(cls, mesh: _midair.Mesh) -> Mesh:
         made = cls.__new__(cls)
         made._mesh = mesh
         return made
@@ -79,8 +79,17 @@ class Mesh:
         with refusals():
             self._mesh.write(os.fspath(path))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _of_obj, (self._mesh.obj(),)
+
     def __repr__(self) -> str:
-        return f"<airr.Mesh {self.design}: {len(self.faces)} facets>"
+        return f"<midair.Mesh {self.design}: {len(self.faces)} facets>"
+
+
+def _of_obj(text: str) -> Mesh:
+    """Return the mesh of a pickle."""
+    with refusals():
+        return Mesh._of(_midair.Mesh.of_obj(text))
 
 
 def design(
@@ -137,4 +146,4 @@ def design(
         diameter=diameter,
     )
     with refusals():
-        return Mesh._of(_airr.design(words(name, output="mesh.obj", **options)))
+        return Mesh._of(_midair.design(words(name, output="mesh.obj", **options)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import io
 import json
 import os
 import re
@@ -14,13 +13,13 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from airr import _airr
-from airr._errors import Error, refusals, warn
-from airr._picture import Picture, is_file, planes
-from airr._progress import Progress, told
-from airr._table import Floats, Table
-from airr._table import open as open_table
-from airr._words import File, Numbers, text, words
+from midair import _midair
+from midair._errors import Error, refusals, warn
+from midair._picture import Picture, is_file, planes
+from midair._progress import Progress, told
+from midair._table import Floats, Table
+from midair._table import open as open_table
+from midair._words import File, Numbers, in_python, text, words
 
 if TYPE_CHECKING:
     import xarray
@@ -122,7 +121,7 @@ def measure(
     )
     held = None if is_file(image) else planes(image, "array")
     with refusals():
-        made = _airr.measure(words("array" if held else image, json=True, **options), held)
+        made = _midair.measure(words("array" if held else image, json=True, **options), held)
     data = cast("dict[str, Any]", json.loads(made))
     warn(data["warnings"])
     return Edge(
@@ -134,7 +133,7 @@ def measure(
         data["edge_angle_deg"],
         data["contrast"],
         data["frequency_unit"],
-        data["warnings"],
+        [in_python(warning) for warning in data["warnings"]],
         data,
     )
 
@@ -191,9 +190,9 @@ class Report:
     html: str = field(repr=False)
 
     def save(self, path: File) -> None:
-        """Write the page to a file."""
-        with io.open(path, "w", encoding="utf-8") as file:
-            file.write(self.html)
+        """Write the page to a file, whole or not at all."""
+        with refusals():
+            _midair.write(os.fspath(path), self.html)
 
     def _repr_html_(self) -> str:
         # A frame of its own, so that the styles of page and notebook do not mix.
@@ -226,7 +225,7 @@ class Result:
         All that ``fit estimate -o`` writes.
     """
 
-    def __init__(self, result: _airr.Result, table: Table, has_pitch: bool = True) -> None:
+    def __init__(self, result: _midair.Result, table: Table, has_pitch: bool = True) -> None:
         self._result = result
         self._has_pitch = has_pitch
         self._table = table
@@ -242,8 +241,8 @@ class Result:
         self.suspects: list[dict[str, Any]] = fit.get("suspects", [])
         self.chi2: float | None = fit.get("chi2")
         self.degrees_of_freedom: float | None = fit.get("degrees_of_freedom")
-        self.warnings: list[str] = data["warnings"] + [
-            f"{capture['image']}: {warning}"
+        self.warnings: list[str] = [in_python(warning) for warning in data["warnings"]] + [
+            f"{capture['image']}: {in_python(warning)}"
             for capture in data["captures"]
             for warning in capture["warnings"]
         ]
@@ -263,13 +262,18 @@ class Result:
         """Models that were compared, the best first, each with its criterion (BIC)."""
         return cast("list[dict[str, Any]]", self.data["candidates"])
 
-    def to_json(self, path: File | None = None) -> str:
-        """Return the result as ``fit estimate -o`` writes it, and write it to `path` if given."""
-        made = self._result.json()
-        if path is not None:
-            with io.open(path, "w", encoding="utf-8") as file:
-                file.write(made)
-        return made
+    def to_json(self) -> str:
+        """Return the result as ``fit estimate -o`` writes it."""
+        return self._result.json()
+
+    def save(self, path: File) -> None:
+        """Write the result to a file as ``fit estimate -o`` does, whole or not at all."""
+        with refusals():
+            _midair.write(os.fspath(path), self.to_json())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Photographs stay behind, as in a file: the copy has no `report`.
+        return _of_json, (self.to_json(), self._table, self._has_pitch)
 
     def report(self) -> Report:
         """Return the page with estimates, curves, choice of the model and warnings.
@@ -277,11 +281,11 @@ class Result:
         Raises
         ------
         Error
-            If the result was loaded from a file, which does not hold the photographs.
+            If the result was loaded from a file or a pickle, which do not hold the photographs.
         """
-        made = self._result.report("airr.estimate(...)")
+        made = self._result.report("midair.estimate(...)")
         if made is None:
-            raise Error("the result was loaded from a file; estimate again for a report")
+            raise Error("the result holds no photographs; estimate again for a report")
         return Report(made)
 
     def curves(self) -> xarray.Dataset:
@@ -370,7 +374,7 @@ class Result:
         source = table or self._table
         options = dict(distance=distance, incidence=incidence, azimuth=azimuth, frequency=frequency)
         with refusals():
-            made = _airr.predict(
+            made = _midair.predict(
                 words("result", table="table", json=True, **options),
                 self._result,
                 source._table,
@@ -503,7 +507,7 @@ class Result:
             )
         named = dict(source="picture", params="result", table="table", output="image.exr")
         with refusals():
-            made, facts = _airr.render(
+            made, facts = _midair.render(
                 words(**named, **options),
                 self._result,
                 (table or self._table)._table,
@@ -558,7 +562,7 @@ class Result:
         if picture is not None:
             named["source"] = "picture"
         with refusals():
-            page, facts = _airr.explore(
+            page, facts = _midair.explore(
                 words("result", **named, **options),
                 self._result,
                 (table or self._table)._table,
@@ -568,7 +572,7 @@ class Result:
         return Report(page)
 
     def __repr__(self) -> str:
-        return f"<airr.Result: {self._said()}, {self.verdict}>"
+        return f"<midair.Result: {self._said()}, {self.verdict}>"
 
     def _said(self) -> str:
         return ", ".join(f"{name} = {value}" for name, value in self._named() if value)
@@ -595,6 +599,12 @@ class Result:
             if value is not None
         )
         return f"<table>{rows}</table>"
+
+
+def _of_json(text: str, table: Table, has_pitch: bool) -> Result:
+    """Return the result of a pickle."""
+    with refusals():
+        return Result(_midair.result_of_json(text), table, has_pitch)
 
 
 def _toml(value: Any) -> str:
@@ -749,7 +759,7 @@ def estimate(
     file = _MEMORY if campaign else captures
     try:
         with refusals(), told(progress) as tell:
-            made = _airr.estimate(
+            made = _midair.estimate(
                 words(file, table=first, **options),
                 [one._table for one in tables],
                 campaign,
@@ -765,7 +775,7 @@ def estimate(
 
 
 def load(path: File, table: Table | File, *, channel: str | None = None) -> Result:
-    """Load a result that ``fit estimate -o`` or `Result.to_json` wrote.
+    """Load a result that ``fit estimate -o`` or `Result.save` wrote.
 
     Parameters
     ----------
@@ -778,7 +788,7 @@ def load(path: File, table: Table | File, *, channel: str | None = None) -> Resu
     """
     source = table if isinstance(table, Table) else open_table(table)
     with refusals():
-        return Result(_airr.read_result(os.fspath(path), channel), source)
+        return Result(_midair.read_result(os.fspath(path), channel), source)
 
 
 def sheet(
@@ -819,7 +829,7 @@ def sheet(
         source = table if isinstance(table, Table) else open_table(table)
     elif sheet is not None:
         with refusals():
-            source = Table(_airr.table_of_sheet(sheet))
+            source = Table(_midair.table_of_sheet(sheet))
     else:
         raise TypeError("give the table of the sheet's cell, or the name of a nominal sheet")
     options = dict(
@@ -834,7 +844,7 @@ def sheet(
         pixel_pitch=pixel_pitch,
     )
     with refusals():
-        made = _airr.sheet(words(**options), source._table)
+        made = _midair.sheet(words(**options), source._table)
     return Result(made, source, has_pitch=pixel_pitch is not None)
 
 
@@ -866,7 +876,7 @@ def simulate(
     """
     options = dict(output=output, table=table, force=force, threads=threads)
     with refusals():
-        data = json.loads(_airr.simulate(words(params, **options)))
+        data = json.loads(_midair.simulate(words(params, **options)))
     warn(data["warnings"])
     return cast(str, data["manifest"])
 
@@ -933,4 +943,4 @@ def study(
     )
     arguments = () if captures is None else (captures,)
     with refusals(), told(progress) as tell:
-        return cast("dict[str, Any]", json.loads(_airr.study(words(*arguments, **options), tell)))
+        return cast("dict[str, Any]", json.loads(_midair.study(words(*arguments, **options), tell)))

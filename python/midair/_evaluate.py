@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from airr._errors import Error, warn
-from airr._picture import Picture, picture, planes
-from airr._words import File
+from midair._errors import Error, warn
+from midair._picture import Picture, picture, planes
+from midair._words import File
 
-EXTRA = 'pip install "airr[evaluate]"'
+EXTRA = 'pip install "midair[evaluate]"'
 
 
 @dataclass(frozen=True)

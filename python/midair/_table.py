@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import pathlib
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -10,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from airr import _airr
-from airr._errors import Error, refusals, warn
-from airr._mesh import Mesh
-from airr._progress import Progress, told
-from airr._words import File, Numbers, words
+from midair import _midair
+from midair._errors import Error, refusals, warn
+from midair._mesh import Mesh
+from midair._progress import Progress, told
+from midair._words import File, Numbers, words
 
 if TYPE_CHECKING:
     import xarray
@@ -67,7 +69,7 @@ class Table:
     `trace` makes one, `open` reads one. Shifts are in edge lengths of a cube.
     """
 
-    def __init__(self, table: _airr.Table) -> None:
+    def __init__(self, table: _midair.Table) -> None:
         self._table = table
 
     @property
@@ -295,10 +297,16 @@ class Table:
         with refusals():
             self._table.write(os.fspath(path))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "table.h5"
+            self.save(path)
+            return _of_bytes, (path.read_bytes(), self._table.name)
+
     def __repr__(self) -> str:
         directions = f"{len(self.incidence_deg)} x {len(self.azimuth_deg)} directions"
         kind = "exact" if self.is_exact else "of rays"
-        return f"<airr.Table {self.provenance['design']}: {directions}, {kind}>"
+        return f"<midair.Table {self.provenance['design']}: {directions}, {kind}>"
 
     def _repr_html_(self) -> str:
         rows = "".join(
@@ -360,6 +368,14 @@ def _of_polygons(paths: Sequence[Path], n: int, generator: np.random.Generator) 
     return made
 
 
+def _of_bytes(content: bytes, name: str) -> Table:
+    """Return the table of a pickle, which is that of a file with this content."""
+    with tempfile.TemporaryDirectory() as folder, refusals():
+        path = pathlib.Path(folder) / "table.h5"
+        path.write_bytes(content)
+        return Table(_midair.open(os.fspath(path), name))
+
+
 def open(path: File) -> Table:
     """Read a table from an HDF5 file.
 
@@ -372,7 +388,7 @@ def open(path: File) -> Table:
         If the file is missing, no table, damaged, or changed after it was written.
     """
     with refusals():
-        return Table(_airr.open(os.fspath(path)))
+        return Table(_midair.open(os.fspath(path)))
 
 
 def trace(
@@ -437,7 +453,7 @@ def trace(
     threads : int, optional
         Number of threads; the table does not depend on it.
     progress : callable, bool, optional
-        See `airr.estimate`.
+        See `midair.estimate`.
 
     Raises
     ------
@@ -478,7 +494,7 @@ def trace(
     native = mesh._mesh if isinstance(mesh, Mesh) else None
     file = mesh.design if isinstance(mesh, Mesh) else mesh
     with refusals(), told(progress) as tell:
-        table, warnings = _airr.trace(words(file, output="table.h5", **options), native, tell)
+        table, warnings = _midair.trace(words(file, output="table.h5", **options), native, tell)
         if output is not None:
             table.write(os.fspath(output))
     warn(warnings)

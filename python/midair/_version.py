@@ -2,4 +2,4 @@
 
 from importlib.metadata import version
 
-__version__: str = version("airr")
+__version__: str = version("midair")

@@ -8,9 +8,9 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from airr import _airr
-from airr._errors import refusals, warn
-from airr._words import File
+from midair import _midair
+from midair._errors import refusals, warn
+from midair._words import File
 
 #: An array of shape (rows, columns) or (rows, columns, 3), of linear light unless a `transfer` is
 #: named. Unsigned integers of 8, 16 or 32 bits are divided by the largest integer of their type,
@@ -61,6 +61,6 @@ def picture(path: File, transfer: str | None = None) -> npt.NDArray[np.float32]:
         If the file is no picture, or is damaged.
     """
     with refusals():
-        made, warnings = _airr.read_picture(os.fspath(path), transfer)
+        made, warnings = _midair.read_picture(os.fspath(path), transfer)
     warn(warnings)
     return made[0] if len(made) == 1 else np.stack(made, axis=-1)
