@@ -81,6 +81,8 @@ a = {
     "shift": lambda: None,
     "angular": lambda: at(fit["a_times_r"]) / args.distance,
 }[kernel]()
+if a is not None and fit["lobe"] not in ("radial", "separable"):
+    sys.exit(f"this script samples the lobes radial and separable, not {fit['lobe']}")
 energy = at(fit["mu"]) * table["retroreflected"][i, j] * fit["half_mirror"]
 t = np.linspace(0, 2.4 * np.pi if fit["lobe"] == "radial" else 4000 * np.pi, 1 << 22)[1:]
 mass = np.cumsum(np.sin(t) ** 2 / t ** (1 if fit["lobe"] == "radial" else 2))

@@ -16,7 +16,7 @@ use crate::cli::mtf::table::{Entry, Photographs};
 use crate::cli::progress::Bar;
 use crate::cli::{output, parse};
 use edges::photographs::Roi;
-use edges::photographs::edge::accepted::Accepted;
+use edges::photographs::edge::fault::Accepted;
 use edges::photographs::photo::channel::{Channel, Decode};
 use edges::photographs::photo::format::{Format, extension, is_raw};
 use edges::photographs::photo::in_memory::InMemory;

@@ -59,6 +59,15 @@ pub fn smooth_odd(least: usize) -> usize {
         .unwrap_or(least)
 }
 
+/// Evaluates sinc t = sin t / t, the transform of a box, which is 1 at t = 0.
+pub fn sinc(t: f64) -> f64 {
+    if t.abs() < 1e-4 {
+        1.0 - t * t / 6.0
+    } else {
+        t.sin() / t
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

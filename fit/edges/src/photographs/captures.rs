@@ -15,7 +15,7 @@ use toml::Spanned;
 use crate::document::{self, Document, FileLine, Table};
 use crate::document::{choice, choices, incidence, positive, share, spectrum, turn};
 use crate::names::Spectrum;
-use crate::photographs::edge::accepted::Accepted;
+use crate::photographs::edge::fault::Accepted;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
 use crate::photographs::photo::exif::Settings;

@@ -1,7 +1,6 @@
 //! Search for the slanted edge of a window: its direction, its place, the curve that it follows,
 //! and whether there is only one.
 
-pub mod accepted;
 pub(crate) mod curve;
 pub mod fault;
 pub(crate) mod lattice;

@@ -4,7 +4,7 @@
 //! sides alike) needs no repair, because both plateaus are free in all later steps.
 
 use crate::photographs::edge;
-use crate::photographs::edge::accepted::Accepted;
+use crate::photographs::edge::fault::Accepted;
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::edge::lattice::Lattice;
 use crate::photographs::edge::line::EdgeLine;

@@ -14,7 +14,7 @@ use num_complex::Complex64;
 use realfft::RealToComplex;
 
 use crate::numerics::fourier;
-use crate::numerics::sinc::sinc;
+use crate::numerics::sinc;
 use crate::photographs::profile::{BIN_PX, Profile};
 
 /// Share of the window that the taper leaves unchanged. The rest falls to 0 as a raised cosine

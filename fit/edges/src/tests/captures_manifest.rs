@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::photographs::Roi;
 use crate::photographs::captures;
-use crate::photographs::edge::accepted::Accepted;
+use crate::photographs::edge::fault::Accepted;
 use crate::photographs::photo::channel::Channel;
 use crate::photographs::photo::transfer::Transfer;
 

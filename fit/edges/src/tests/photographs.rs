@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::photographs::Measurement;
 use crate::photographs::Roi;
-use crate::photographs::edge::accepted::Accepted;
+use crate::photographs::edge::fault::Accepted;
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::edge::line::{Bend, EdgeLine};
 use crate::photographs::edge::shape;

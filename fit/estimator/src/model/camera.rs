@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use edges::numerics::sinc::sinc;
+use edges::numerics::sinc;
 
 /// Transfer function of a camera in the plane of the mid-air image.
 #[derive(Debug, Clone, Copy, PartialEq)]

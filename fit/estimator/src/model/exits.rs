@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use tables::Table;
 use tables::deviation::Deviations;
 
-use edges::numerics::sinc::sinc;
+use edges::numerics::sinc;
 
 /// Loss of an MTF above which bins are too coarse.
 const MOST_LOST: f64 = 0.01;

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use realfft::ComplexToReal;
 
 use edges::numerics::fourier;
-use edges::numerics::sinc::sinc;
+use edges::numerics::sinc;
 use edges::photographs::{BIN_PX, Profile};
 
 /// Frequencies at which an OTF is needed, and the transform from there to the bins.

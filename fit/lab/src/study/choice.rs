@@ -23,7 +23,7 @@ use crate::study::trial;
 use edges::names::Kernel;
 use edges::names::ParameterKind;
 use edges::numerics::{Solution, Stop};
-use edges::photographs::edge::accepted::Accepted;
+use edges::photographs::edge::fault::Accepted;
 use estimator::estimate::Choice;
 use estimator::estimate::Error;
 use estimator::estimate::Layout;

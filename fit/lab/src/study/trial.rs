@@ -12,7 +12,7 @@ use crate::simulate::{Params, PlantedCamera};
 use edges::names::Kernel;
 use edges::photographs::PixelNoise;
 use edges::photographs::captures;
-use edges::photographs::edge::accepted::Accepted;
+use edges::photographs::edge::fault::Accepted;
 use edges::photographs::photo::plane::Photo;
 use edges::photographs::photo::taken::Taken;
 use edges::photographs::{Campaign, Capture, Setup};

@@ -16,8 +16,8 @@ use crate::explore::stencil::Share;
 use crate::explore::unit::tilt;
 use crate::images::{Sheet, TAIL, Viewpoint};
 use edges::names::{Kernel, LobeShape};
-use edges::numerics::lagrange::lagrange;
-use edges::numerics::sinc::sinc;
+use edges::numerics::lagrange;
+use edges::numerics::sinc;
 use estimator::model::{Baseline, Blur};
 use estimator::predict::{Error as PredictError, Fitted};
 

@@ -292,7 +292,7 @@ fn table_of(kernel: Kernel, lobe: Option<LobeShape>) -> Option<LobeData> {
     // lobe, whose fourth derivative by 2 pi f is at most 260.
     const STEP: f64 = 0.0025;
     const END: f64 = 3.5;
-    let shape = lobe.filter(|&lobe| kernel.has_lobe() && lobe.is_round())?;
+    let shape = lobe.filter(|&lobe| kernel.has_lobe() && lobe.round())?;
     let count = (END / STEP) as usize;
     let at = |k: usize| shape.otf(1.0, STEP * k as f64, [1.0, 0.0]).0;
     let digits = |value: f64| (value * 1e7).round() / 1e7;

@@ -11,8 +11,8 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 use tables::Direction;
 
-use edges::numerics::lagrange::lagrange;
-use edges::numerics::sinc::sinc;
+use edges::numerics::lagrange;
+use edges::numerics::sinc;
 
 /// Points of the lattice per cycle of the fastest phase.
 ///

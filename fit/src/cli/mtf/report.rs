@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::cli::failure::Failure;
 use edges::photographs::crossing::{Curve, Measured};
-use edges::photographs::edge::accepted::Accepted;
+use edges::photographs::edge::fault::Accepted;
 use edges::photographs::edge::fault::Fault;
 use edges::photographs::edge::slant;
 use edges::photographs::edge::slant::Slant;

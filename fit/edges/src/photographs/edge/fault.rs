@@ -139,3 +139,20 @@ fn listed(rois: &[Roi]) -> String {
     let all: Vec<String> = rois.iter().map(ToString::to_string).collect();
     all.join(", ")
 }
+
+/// A fault that the user may accept. It then becomes a warning instead of a refusal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Accepted {
+    /// A second edge: [`Fault::Doubled`].
+    Doubled,
+}
+
+impl Accepted {
+    /// The names that a manifest may use, in the order of the variants.
+    pub const NAMES: [&'static str; 1] = ["doubled"];
+
+    /// Returns the fault that has this name in a manifest, or `None`.
+    pub fn from_name(name: &str) -> Option<Accepted> {
+        (name == "doubled").then_some(Accepted::Doubled)
+    }
+}

@@ -1,8 +1,8 @@
 //! Checks that the edge of a window is one smooth edge, and sharp enough for the window.
 
-use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::edge::curve;
 use crate::photographs::edge::curve::Waves;
+use crate::photographs::edge::fault::Accepted;
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::edge::lattice;
 use crate::photographs::edge::lattice::Lattice;

@@ -55,7 +55,7 @@ pub trait Lobe {
     fn kink(self, a: f64, normal: [f64; 2]) -> (f64, f64);
 
     /// Returns whether the lobe is the same along every direction.
-    fn is_round(self) -> bool;
+    fn round(self) -> bool;
 }
 
 impl Lobe for LobeShape {
@@ -102,7 +102,7 @@ impl Lobe for LobeShape {
         }
     }
 
-    fn is_round(self) -> bool {
+    fn round(self) -> bool {
         self != LobeShape::Separable
     }
 }

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use crate::model::Camera;
 use crate::model::Grid;
-use edges::numerics::sinc::sinc;
+use edges::numerics::sinc;
 use edges::photographs::BIN_PX;
 
 /// Number of cells of the texture in a pixel.

@@ -20,7 +20,7 @@ use rustfft::FftPlanner;
 
 use crate::images::render::Error;
 use crate::images::spot::{Sheet, Viewpoint};
-use edges::numerics::sinc::sinc;
+use edges::numerics::sinc;
 use edges::numerics::smooth_odd;
 
 /// Greatest error of the transfer, at any frequency, that cutting off the sum over m may cause.

@@ -1,4 +1,4 @@
-//! Nodes and weights of quadrature.
+//! Weights of quadrature, and of interpolation between evenly spaced points.
 
 /// Positive nodes and weights of the 16-point Gauss-Legendre rule on [-1, 1] (Abramowitz and
 /// Stegun, table 25.4).
@@ -12,3 +12,15 @@ pub const GAUSS_16: [(f64, f64); 8] = [
     (0.944_575_023_073_232_6, 0.062_253_523_938_647_89),
     (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
 ];
+
+/// Returns the weights of the points -2 to 3 of a six-point interpolation at `t` in [0, 1).
+pub fn lagrange(t: f64) -> [f64; 6] {
+    const PLACES: [f64; 6] = [-2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
+    PLACES.map(|own| {
+        PLACES
+            .iter()
+            .filter(|&&other| other != own)
+            .map(|other| (t - other) / (own - other))
+            .product()
+    })
+}
