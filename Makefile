@@ -266,7 +266,7 @@ manual: build
 	@for program in bake fit; do $(BIN)/$$program completions $(or $(SHELL_NAME),bash) \
 		> target/manual/$$program.$(or $(SHELL_NAME),bash); done
 
-# Random small changes to the code of the rooms that compute (.cargo/mutants.toml), each tried by
+# Random small changes to the code that computes (.cargo/mutants.toml), each tried by
 # its crate's own tests. SHARD: which sample is taken, 0 to 2799; 4 changes each.
 mutants: tools
 	@$(CARGO) mutants --version >/dev/null 2>&1 && $(CARGO) nextest --version >/dev/null 2>&1 || { \

@@ -1,10 +1,9 @@
-//! Words that files, options and rooms share: kernels, shapes of lobes, parameters, and spectra of
+//! Words that files, options and crates share: kernels, shapes of lobes, parameters, and spectra of
 //! light.
 //!
 //! Text enters. Checked names leave, and the facts that follow from a name alone (such as which
-//! parameters a kernel has). The room holds no optics. The model and the simulator share this room
-//! on purpose, and no other room about light, so that each checks the other. It may touch no other
-//! room.
+//! parameters a kernel has). The module holds no optics. The model and the simulator share this
+//! module on purpose, and nothing else about light, so that each checks the other.
 
 mod kernel;
 mod lobe;

@@ -1,9 +1,8 @@
 //! Comparison of a model with a photograph, both seen through the photograph's own estimator.
 //!
 //! A measured edge and a model's curve enter. Differences of MTFs in units of their noise, the two
-//! plateaus, or the likelihood of the pixels leave. The room compares one photograph at a time
-//! and fits nothing but its nuisances: place, angle, plateaus and light. It may touch `model`,
-//! `photographs` and `numerics`.
+//! plateaus, or the likelihood of the pixels leave. The module compares one photograph at a time
+//! and fits nothing but its nuisances: place, angle, plateaus and light.
 
 mod light;
 mod likelihood;

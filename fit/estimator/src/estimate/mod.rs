@@ -2,8 +2,7 @@
 //!
 //! Photographs from files or from memory, a table, and options enter. An estimate with its terms,
 //! bounds and warnings leaves. [`campaign`] does all of it. Photographs are measured once, into a
-//! scene that nothing rewrites. The room writes no file and prints nothing. It may touch `compare`,
-//! `samples`, `model`, `photographs`, `names` and `numerics`, but not the simulator.
+//! scene that nothing rewrites. This module writes no file and prints nothing.
 //!
 //! The files, from the lowest to the highest:
 //!

@@ -2,8 +2,8 @@
 //! facets), and that of the camera.
 //!
 //! A direction of the table, a kernel and its numbers enter. The OTF along a line of the image, its
-//! derivatives, and the edge that it blurs leave. Of a photograph the room knows only the
-//! widths of its bins. It may touch `names`, `numerics` and `photographs`.
+//! derivatives, and the edge that it blurs leave. Of a photograph this module knows only the
+//! widths of its bins.
 
 pub mod baseline;
 mod camera;

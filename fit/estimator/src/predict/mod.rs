@@ -1,7 +1,7 @@
 //! Prediction of what a fitted sheet shows at other distances and directions.
 //!
 //! A result and a table of its cell enter. MTF curves and luminances leave, or the nearest lobe for
-//! renderers. The room may touch results, the model and the numerics below it. It draws nothing.
+//! renderers.
 
 mod curve;
 mod domain;

@@ -1,8 +1,8 @@
 //! RESULT.json: an estimate, written to a file and read from it.
 //!
 //! An estimate and its table enter. A structure leaves whose fields are the keys of the file. The
-//! room computes nothing. It knows parameters as types; their text form (`a_per_mm_at_20`) exists
-//! only in the file. It may touch `estimate` and the rooms below it.
+//! module computes nothing. It knows parameters as types; their text form (`a_per_mm_at_20`) exists
+//! only in the file.
 
 mod by_hand;
 mod domain;

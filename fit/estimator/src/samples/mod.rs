@@ -1,7 +1,7 @@
 //! Samples of the blur: points where rays from one point of the source meet the mid-air image.
 //!
 //! A direction of a table and a lobe enter. Points leave, and the model of one photograph by
-//! such points. The room may touch `model`, `names`, `numerics` and `photographs`.
+//! such points.
 //!
 //! A sample is a pure function of (seed, stream, index). A `sequence` gives four coordinates. The
 //! first two become a ray shift (`shift`), the last two an offset by diffraction (`model::Lobe`). Both
