@@ -58,6 +58,9 @@ fn one_crate_alone_has_the_features_of_the_workspace() {
     // Python, whose macros want more features. `make test` takes it too, in every step.
     for (all, few) in [
         ("", "-p fit"),
+        ("", "-p estimator"),
+        ("", "-p lab"),
+        ("", "-p pictures"),
         ("", "-p bake"),
         ("--workspace", "-p fit -p midair"),
     ] {
