@@ -4,8 +4,8 @@
 
 .SUFFIXES:
 .NOTPARALLEL:
-.PHONY: all build install demo manual deny msrv table1 wheel bench-report fmt lint doc bench tools python rust \
-	clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx \
+.PHONY: all build install demo manual deny msrv table1 wheel bench-report fmt lint doc bench \
+	tools python rust clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx \
 	test-metrics test-python test-fuzz
 
 CARGO = cargo
@@ -266,15 +266,14 @@ manual: build
 	@for program in bake fit; do $(BIN)/$$program completions $(or $(SHELL_NAME),bash) \
 		> target/manual/$$program.$(or $(SHELL_NAME),bash); done
 
-# Random small changes to the code that computes (.cargo/mutants.toml), each tried by
-# its crate's own tests. SHARD: which sample is taken, 0 to 2799; 4 changes each.
+# Random small changes to the code that computes (.cargo/mutants.toml), each tried by its crate's own tests. SHARD: which sample is taken, 0 to 2799; 4 changes each.
 mutants: tools
 	@$(CARGO) mutants --version >/dev/null 2>&1 && $(CARGO) nextest --version >/dev/null 2>&1 || { \
 		echo "mutants: needs cargo install --locked cargo-mutants cargo-nextest" >&2; exit 1; }
 	@CARGO_TARGET_DIR="$(CURDIR)/target/mutants" $(CARGO) mutants --shard $(or $(SHARD),0)/2800 \
 		--sharding round-robin --baseline skip --timeout 240 --output target
 
-# The headline figures of this machine, some 15 minutes. PAGE: where they are written.
+# The headline figures of this machine, which should be idle. PAGE: where they are written.
 bench-report: build python
 	@"$(VENV)/bin/python" tests/bench_report.py $(BIN) -o $(or $(PAGE),doc/measured.md)
 
