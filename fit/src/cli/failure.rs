@@ -53,8 +53,8 @@ pub(crate) enum Failure {
     #[cfg(feature = "full")]
     #[error(transparent)]
     Explore(#[from] explore::Error),
-    #[cfg(feature = "full")]
     /// Failure of the simulation.
+    #[cfg(feature = "full")]
     #[error(transparent)]
     Simulate(#[from] simulate::Error),
     /// Table of another content hash than `--expect-table` or the manifest names.
