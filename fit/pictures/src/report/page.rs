@@ -1,7 +1,8 @@
 //! HTML page of `--report`: the page that a person opens first.
 //!
 //! The page is one file that needs nothing else, neither network nor script, and its policy allows
-//! a browser none of them. It is well-formed XML too. The same estimate gives the same bytes, because the page holds no times and no durations.
+//! a browser none of them. It is well-formed XML too. The same estimate gives the same bytes,
+//! because the page holds no times and no durations.
 //!
 //! A first screen shows verdict, numbers, one mid-air image and the curves. All else folds out, on
 //! paper by itself.
