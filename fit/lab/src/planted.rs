@@ -10,7 +10,7 @@ pub use edges::numerics::Stream;
 use edges::photographs::captures;
 use edges::photographs::photo::plane::Photo;
 use edges::photographs::photo::taken::Taken;
-use estimator::estimate::optimum::optimum;
+use estimator::estimate::search::optimum::optimum;
 use estimator::estimate::{Choice, Estimate, Kind, Loss, Scene, estimate, refined};
 use ndarray::{Array2, Array3, Array4};
 use tables::options::{Back, Losses, Method, StatedOptions};

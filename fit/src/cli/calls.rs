@@ -14,11 +14,12 @@ use std::time::Instant;
 use tables::Table;
 use tables::cli::{self as terminal, parsed};
 
-use crate::cli::by_hand::Numbers;
 use crate::cli::estimate::{Estimation, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::host::Host;
-use crate::cli::{estimate, explore, mtf, output, parse, predict, render, simulate, study};
+use crate::cli::options::by_hand::Numbers;
+use crate::cli::options::parse;
+use crate::cli::{estimate, explore, mtf, output, predict, render, simulate, study};
 use edges::photographs::photo::in_memory::InMemory;
 use edges::photographs::photo::picture::Picture;
 use estimator::estimate::{OtherTable, error};

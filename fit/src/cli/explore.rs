@@ -7,11 +7,11 @@ use serde::Serialize;
 use tables::cli as terminal;
 use tables::{Outputs, Table};
 
-use crate::cli::by_hand::Numbers;
 use crate::cli::estimate::read_channel;
 use crate::cli::failure::Failure;
+use crate::cli::options::by_hand::Numbers;
+use crate::cli::options::parse;
 use crate::cli::output;
-use crate::cli::parse;
 use crate::cli::progress::Bar;
 use crate::cli::render::spacious;
 use edges::photographs::photo;

@@ -7,7 +7,7 @@ use tables::Outputs;
 
 use crate::cli::estimate::read_result;
 use crate::cli::failure::Failure;
-use crate::cli::parse;
+use crate::cli::options::parse;
 use estimator::predict::{Form, LOST, Viewpoint, nearest, remarks};
 
 /// Writes the lobe that is nearest to a fitted sheet, as a material for renderers.

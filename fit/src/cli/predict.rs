@@ -7,11 +7,11 @@ use tables::cli as terminal;
 use serde::Serialize;
 use tables::{Outputs, Table};
 
-use crate::cli::by_hand::Numbers;
 use crate::cli::estimate::{check_model, read_channel};
 use crate::cli::failure::Failure;
+use crate::cli::options::by_hand::Numbers;
+use crate::cli::options::parse;
 use crate::cli::output;
-use crate::cli::parse;
 use edges::names::{Family, Kernel};
 #[cfg(feature = "full")]
 use estimator::predict::{Around, around};

@@ -4,6 +4,11 @@
 //! Nothing rewrites a scene. Placing it otherwise, or evaluating it by samples, makes another scene
 //! that shares the photographs.
 
+pub mod direction;
+pub(crate) mod optics;
+pub(crate) mod perturbed;
+pub(crate) mod reference;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -12,13 +17,12 @@ use tables::{Direction, Table};
 
 use crate::compare::Pixels;
 use crate::compare::View;
-use crate::estimate::direction::{Along, ProjectedDirection, Returned};
 use crate::estimate::error::Error;
-use crate::estimate::optics::Optics;
 use crate::estimate::progress::{Progress, Step};
-use crate::estimate::reference;
-use crate::estimate::reference::Reference;
 use crate::estimate::remarks;
+use crate::estimate::scene::direction::{Along, ProjectedDirection, Returned};
+use crate::estimate::scene::optics::Optics;
+use crate::estimate::scene::reference::Reference;
 use crate::model::Camera;
 use crate::model::wave;
 use crate::samples::Sampled;

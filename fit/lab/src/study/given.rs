@@ -13,9 +13,9 @@ use estimator::estimate::Layout;
 use estimator::estimate::Progress;
 use estimator::estimate::Scene;
 use estimator::estimate::Used;
-use estimator::estimate::optimum::optimum;
 use estimator::estimate::refined;
-use estimator::estimate::select::select;
+use estimator::estimate::search::optimum::optimum;
+use estimator::estimate::search::select::select;
 use estimator::estimate::{Estimate, estimate};
 use estimator::estimate::{Kind, Loss};
 

@@ -15,7 +15,7 @@ use edges::photographs::{Campaign, Capture, Setup, Shot};
 use estimator::estimate::Kind;
 use estimator::estimate::Progress;
 use estimator::estimate::Scene;
-use estimator::estimate::select::select;
+use estimator::estimate::search::select::select;
 use estimator::estimate::{Candidates, Selection};
 use estimator::model::Blur;
 use estimator::model::microfacet;

@@ -1,9 +1,9 @@
-//! Tests of `estimator::estimate::direction` on planted campaigns.
+//! Tests of `estimator::estimate::scene::direction` on planted campaigns.
 
 use crate::planted::{table, truth};
 use edges::names::Kernel;
 use edges::names::LobeShape;
-use estimator::estimate::direction::*;
+use estimator::estimate::scene::direction::*;
 
 /// The front of a baseline takes its part of the light and of its error alike, so the relative
 /// error stays; `mrm` returns all light, without an error. Fresnel's equations at 30 degrees

@@ -8,7 +8,7 @@ use estimator::estimate::Choice;
 use estimator::estimate::Loss;
 use estimator::estimate::Progress;
 use estimator::estimate::Scene;
-use estimator::estimate::optimum::optimum;
+use estimator::estimate::search::optimum::optimum;
 use estimator::estimate::{Estimate, estimate};
 use estimator::estimate::{RANDOMISATIONS, Renders};
 use estimator::estimate::{compare, curve};

@@ -5,13 +5,13 @@ use edges::names::{Kernel, LobeShape};
 use edges::numerics::chance;
 use estimator::compare::Pixels;
 use estimator::compare::Remainder;
-use estimator::estimate::fitted::estimate;
-use estimator::estimate::goodness::*;
-use estimator::estimate::layout::Layout;
-use estimator::estimate::layout::{Choice, Value};
-use estimator::estimate::loss::Kind;
-use estimator::estimate::loss::Loss;
-use estimator::estimate::optimum::{optimum, refined};
+use estimator::estimate::search::fitted::estimate;
+use estimator::estimate::search::layout::Layout;
+use estimator::estimate::search::layout::{Choice, Value};
+use estimator::estimate::search::loss::Kind;
+use estimator::estimate::search::loss::Loss;
+use estimator::estimate::search::optimum::{optimum, refined};
+use estimator::estimate::trust::goodness::*;
 use rayon::prelude::*;
 
 /// Two halves of one photograph scatter by the noise: half of their distance is a standard

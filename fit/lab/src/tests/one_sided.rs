@@ -1,15 +1,15 @@
-//! Tests of `estimator::estimate::bound` on planted campaigns.
+//! Tests of `estimator::estimate::search::bound` on planted campaigns.
 
 use crate::planted::{SHARED, camera, params, scene, table, truth};
 use edges::names::Kernel;
 use edges::names::LobeShape;
 use edges::names::ParameterKind;
-use estimator::estimate::bound::*;
-use estimator::estimate::fitted::estimate;
-use estimator::estimate::loss::Kind;
-use estimator::estimate::loss::Loss;
-use estimator::estimate::optimum::optimum;
-use estimator::estimate::optimum::refined;
+use estimator::estimate::search::bound::*;
+use estimator::estimate::search::fitted::estimate;
+use estimator::estimate::search::loss::Kind;
+use estimator::estimate::search::loss::Loss;
+use estimator::estimate::search::optimum::optimum;
+use estimator::estimate::search::optimum::refined;
 use rayon::prelude::*;
 
 /// Checks that the bound found + r holds the truth in 95 % of the cases, wherever the truth

@@ -1,10 +1,10 @@
-//! Tests of `estimator::estimate::select` on planted campaigns.
+//! Tests of `estimator::estimate::search::select` on planted campaigns.
 
 use crate::planted::{SHARED, camera, fitted, params, scene, table, truth};
 use edges::names::{Kernel, LobeShape};
-use estimator::estimate::layout::Choice;
-use estimator::estimate::loss::Kind;
-use estimator::estimate::select::*;
+use estimator::estimate::search::layout::Choice;
+use estimator::estimate::search::loss::Kind;
+use estimator::estimate::search::select::*;
 
 /// Each incidence has its own mu if theirs differ by more than the criterion asks for, times
 /// the misfit of the photographs. The table returns a tenth too much light at one of two

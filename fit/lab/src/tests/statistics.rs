@@ -18,7 +18,7 @@ use edges::names::LobeShape;
 use edges::names::Spectrum;
 use estimator::compare::Weights;
 use estimator::estimate::Kind;
-use estimator::estimate::optimum::optimum;
+use estimator::estimate::search::optimum::optimum;
 use estimator::estimate::{Estimate, Loss, Scene, Value, Verdict, estimate, refined};
 
 /// Standard errors by which a figure may leave its expectation.

@@ -10,7 +10,7 @@ use edges::names::Spectrum;
 use estimator::estimate::Candidates;
 use estimator::estimate::Kind;
 use estimator::estimate::Progress;
-use estimator::estimate::select::select;
+use estimator::estimate::search::select::select;
 use estimator::model::Fault;
 use estimator::model::wave;
 use num_complex::Complex64;

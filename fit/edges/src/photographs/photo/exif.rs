@@ -6,7 +6,8 @@ use std::path::Path;
 
 use exif::{Exif, In, Reader, Tag, Value};
 
-use crate::photographs::photo::{Curve, Curves, Transfer, caught, extension, is_raw, pages, raw};
+use crate::photographs::photo::formats::{pages, raw};
+use crate::photographs::photo::{Curve, Curves, Transfer, caught, extension, is_raw};
 
 /// Settings of a camera that decide the exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]

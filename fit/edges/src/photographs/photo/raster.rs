@@ -5,10 +5,11 @@ use std::io::{BufReader, Read};
 
 use rayon::prelude::*;
 
+use crate::photographs::photo::formats::{jpeg, png, tiff};
 use crate::photographs::photo::limits::MAX_BYTES;
 use crate::photographs::photo::{
     Alpha, Channel, Curve, Curves, Decode, Fault, Format, GIVEN, Photo, Picture, REC709, Samples,
-    Stored, TURNED, Transfer, jpeg, png, tiff, upright,
+    Stored, TURNED, Transfer, upright,
 };
 
 /// A decoded picture, and all that its file says of it.

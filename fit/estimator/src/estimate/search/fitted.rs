@@ -1,0 +1,282 @@
+//! The estimate: one candidate model fitted to all photographs of a scene.
+//!
+//! Sugawara and Koizumi minimise the squared difference of the MTFs of photographs and renders over
+//! a and c, then take mu from the luminance ratio. The loss `mse` does so too, with two
+//! differences: the closed form replaces the render, and the solver is Levenberg-Marquardt. The
+//! loss `mtf` also weights the differences by their noise covariance, which the estimator knows.
+//! The loss `edge` replaces the MTF by the likelihood of the pixels (see `likelihood`).
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use crate::compare::Weights;
+use crate::estimate::scene::Scene;
+use crate::estimate::search::compared::{Compared, assemble, compare};
+use crate::estimate::search::covariance::{Covariances, Linear, Scatter};
+use crate::estimate::search::joint::Used;
+use crate::estimate::search::layout::Layout;
+use crate::estimate::search::layout::{Choice, Value};
+use crate::estimate::search::loss::Loss;
+use crate::estimate::search::optimum::Optimum;
+use crate::model::Camera;
+use crate::samples::Sampling;
+use edges::names::{ParameterId, ParameterKind};
+use edges::numerics::Solution;
+
+/// Fitted candidate with the errors of its parameters.
+#[derive(Debug, Clone)]
+pub struct Estimate {
+    /// Candidate that was fitted.
+    pub choice: Choice,
+    /// Corner size, mm, or the roughness of a baseline's front; `None` if the kernel has neither.
+    pub c_mm: Option<Value>,
+    /// Spread: a (1/mm), A = a R for `angular`, or the roughness of a baseline. It has one value,
+    /// or one per incidence, and is empty for `shift` and `wave`.
+    pub spread: Vec<Value>,
+    /// Reflectance mu, one value or one per incidence; `None` without a reference photograph.
+    pub mu: Option<Vec<Value>>,
+    /// Differences between the light of the photographs and that which mu gives; `None` like mu.
+    pub scatter: Option<Scatter>,
+    /// Parameters in the order of the covariance's rows: c, the spreads, mu.
+    pub parameters: Vec<ParameterId>,
+    /// Covariance of all parameters.
+    pub covariance: DMatrix<f64>,
+    /// Sum of squares of the residuals in units of their noise. For `mse` it is that of the MTFs at
+    /// the minimum of the mean squared difference.
+    pub chi2: f64,
+    /// Number of independent residuals.
+    pub residuals: usize,
+    /// Camera from the reference's fit; for `edge` refined with all pixels.
+    pub camera: Camera,
+    /// Result of the solver.
+    pub solution: Solution,
+    /// MTF of the model at the frequencies of each photograph, through the photograph's estimator.
+    pub modelled: Vec<Vec<f64>>,
+    /// Mean squared MTF difference of each photograph, the loss of the paper.
+    pub losses: Vec<f64>,
+    /// Sampling error, if the model was evaluated by samples.
+    pub sampling: Option<SamplingError>,
+}
+
+/// Error that the samples add to an estimate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SamplingError {
+    /// Settings of the samples.
+    pub sampling: Sampling,
+    /// Standard deviation of each parameter between independent randomisations, in the order of
+    /// `parameters`. Covariance and standard errors include it already.
+    pub standard_error: Vec<f64>,
+}
+
+impl Estimate {
+    /// Returns the number of parameters of the blur.
+    pub fn blur_parameters(&self) -> usize {
+        usize::from(self.c_mm.is_some()) + self.spread.len()
+    }
+
+    /// Returns all values in the order of `parameters`.
+    pub fn values(&self) -> impl Iterator<Item = &Value> {
+        let blur = self.c_mm.iter().chain(&self.spread);
+        blur.chain(self.mu.iter().flatten())
+    }
+
+    /// Returns the logarithms of all values in the order of `parameters`.
+    pub fn logarithms(&self) -> Vec<f64> {
+        self.values().map(|value| value.value.ln()).collect()
+    }
+
+    /// Adds the scatter of the estimates by their samples to the errors, and records it.
+    /// [`Estimate::add_scatter`] explains `scatter`.
+    pub fn add_sampling_error(&mut self, sampling: Sampling, scatter: &DMatrix<f64>) {
+        self.sampling = Some(SamplingError {
+            sampling,
+            standard_error: self.add_scatter(scatter),
+        });
+    }
+
+    /// Adds a covariance of the logarithms of all parameters, in the order of `parameters`, to
+    /// covariance and standard errors. Returns the standard deviations that it alone causes.
+    pub fn add_scatter(&mut self, scatter: &DMatrix<f64>) -> Vec<f64> {
+        let values = self.c_mm.iter_mut().chain(&mut self.spread);
+        let mut values: Vec<&mut Value> = values.chain(self.mu.iter_mut().flatten()).collect();
+        let n = values.len();
+        let own = DMatrix::from_fn(n, n, |i, j| {
+            scatter[(i, j)] * values[i].value * values[j].value
+        });
+        self.covariance += &own;
+        for (i, value) in values.iter_mut().enumerate() {
+            value.standard_error = value.standard_error.hypot(own[(i, i)].sqrt());
+        }
+        (0..n).map(|i| own[(i, i)].sqrt()).collect()
+    }
+
+    /// Multiplies the standard errors of the blur by the first number and those of mu by the
+    /// second, and the covariance accordingly.
+    pub fn raise(&mut self, [of_blur, of_mu]: [f64; 2]) {
+        let blur = self.blur_parameters();
+        let by = |i: usize| if i < blur { of_blur } else { of_mu };
+        let n = self.parameters.len();
+        self.covariance = DMatrix::from_fn(n, n, |i, j| self.covariance[(i, j)] * by(i) * by(j));
+        for value in self.c_mm.iter_mut().chain(&mut self.spread) {
+            value.standard_error *= of_blur;
+        }
+        for value in self.mu.iter_mut().flatten() {
+            value.standard_error *= of_mu;
+        }
+    }
+
+    /// Returns the number of degrees of freedom of the sum of squares, at least 1.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.residuals.saturating_sub(self.blur_parameters()).max(1)
+    }
+
+    /// Returns the optimum of this estimate, as a start for another loss or forward model.
+    pub fn optimum(&self) -> Optimum {
+        Optimum {
+            choice: self.choice,
+            solution: self.solution.clone(),
+            observations: self.residuals,
+        }
+    }
+
+    /// Returns the sum of squares per degree of freedom. It is about 1 if the model describes the
+    /// photographs.
+    pub fn reduced_chi2(&self) -> f64 {
+        self.chi2 / self.degrees_of_freedom() as f64
+    }
+}
+
+/// Computes everything that follows from an optimum: mu, covariance, losses.
+pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
+    let layout = &Layout::new(optimum.choice, scene.groups.len());
+    let camera = match loss {
+        Loss::Mtf(_) | Loss::Mse(_) => scene.optics.camera,
+        Loss::Edge(joint) => joint.camera(layout, &optimum.solution.parameters),
+    };
+    let parts = compared(scene, loss, layout, &optimum, &camera);
+    let chi2 = match loss {
+        Loss::Mse(_) => {
+            let (residuals, _) = assemble(&scene.shots, layout, &parts, Weights::Noise);
+            residuals.norm_squared()
+        }
+        _ => optimum.solution.sum_of_squares(),
+    };
+    let found = covariances(scene, loss, layout, &optimum, &parts);
+    let Optimum {
+        choice,
+        solution,
+        observations,
+    } = optimum;
+    let p = layout.parameters();
+    let mut parameters: Vec<ParameterId> = Vec::new();
+    if layout.c().is_some() {
+        parameters.push(ParameterKind::size_of(choice.kernel).shared());
+    }
+    if layout.spreads > 0 {
+        let kind = ParameterKind::spread_of(choice.kernel);
+        parameters.extend(kind.each(&scene.groups, choice.per_angle_a));
+    }
+    let mut scale: Vec<f64> = solution
+        .parameters
+        .iter()
+        .take(p)
+        .map(|p| p.exp())
+        .collect();
+    let mut logarithms = found.blur;
+    let mut scatter = None;
+    let mu = found.mu.map(|mu| {
+        parameters.extend(ParameterKind::Mu.each(&scene.groups, choice.per_angle_mu));
+        scale.extend(&mu.values);
+        logarithms = mu.covariance;
+        scatter = Some(mu.scatter);
+        mu.values
+    });
+    let covariance = DMatrix::from_fn(parameters.len(), parameters.len(), |i, j| {
+        logarithms[(i, j)] * scale[i] * scale[j]
+    });
+    // A parameter on which the photographs do not depend has an infinite error.
+    let value = |i: usize| {
+        let variance = covariance[(i, i)];
+        let standard_error = if variance.is_finite() {
+            variance.max(0.0).sqrt()
+        } else {
+            f64::INFINITY
+        };
+        Value {
+            value: scale[i],
+            standard_error,
+        }
+    };
+    Estimate {
+        choice,
+        c_mm: layout.c().map(value),
+        spread: (p - layout.spreads..p).map(value).collect(),
+        mu: mu.map(|mu| (p..p + mu.len()).map(value).collect()),
+        scatter,
+        chi2,
+        residuals: observations,
+        camera,
+        losses: mean_squares(scene, &parts),
+        modelled: parts.into_iter().map(|part| part.modelled).collect(),
+        parameters,
+        covariance,
+        solution,
+        sampling: None,
+    }
+}
+
+/// Compares each photograph with its model at the optimum, seen by the camera that the loss found.
+fn compared(
+    scene: &Scene,
+    loss: &Loss,
+    layout: &Layout,
+    optimum: &Optimum,
+    camera: &Camera,
+) -> Vec<Compared> {
+    let seen_by = match loss {
+        Loss::Mtf(_) | Loss::Mse(_) => None,
+        Loss::Edge(_) => Some(camera),
+    };
+    let shots = scene.shots.par_iter().map(|shot| {
+        let blur = layout.blur(&optimum.solution.parameters, shot.group);
+        compare(shot, seen_by, optimum.choice, blur)
+    });
+    shots.collect()
+}
+
+/// Returns the covariances of the logarithms that the noise of the photographs causes.
+fn covariances(
+    scene: &Scene,
+    loss: &Loss,
+    layout: &Layout,
+    optimum: &Optimum,
+    parts: &[Compared],
+) -> Covariances {
+    let solution = &optimum.solution;
+    let of_mtfs = |weights| {
+        let linear = Linear {
+            scene,
+            layout,
+            solution,
+            parts,
+            weights,
+        };
+        linear.covariances()
+    };
+    match loss {
+        Loss::Mtf(_) => of_mtfs(Weights::Noise),
+        Loss::Mse(_) => of_mtfs(Weights::Even),
+        Loss::Edge(joint) => joint.information(layout, &solution.parameters, Used::ByTheEstimate),
+    }
+}
+
+/// Returns the mean squared MTF difference of each photograph.
+fn mean_squares(scene: &Scene, parts: &[Compared]) -> Vec<f64> {
+    let mean = |(part, measured): (&Compared, &Vec<f64>)| {
+        let pairs = part.modelled.iter().zip(measured).skip(1);
+        let squares = pairs.map(|(m, d)| (m - d).powi(2));
+        squares.sum::<f64>() / (part.modelled.len() - 1) as f64
+    };
+    let measured = scene.shots.iter().map(|shot| &shot.view.mtf.modulus);
+    parts.iter().zip(measured).map(mean).collect()
+}

@@ -1,0 +1,322 @@
+//! How well a fit describes its photographs.
+//!
+//! Four tests ask whether noise alone explains what the fit leaves: the sum of squares of all
+//! differences, that of sums over neighbours across the edge (or over neighbouring frequencies),
+//! that of changes along the edge, and the sum of squares of each photograph. The misfit is
+//! significant if one of the four probabilities is below `SIGNIFICANT`.
+//!
+//! A significant misfit raises all standard errors. The factor, [`Goodness::scale`], is the larger
+//! of two numbers. One is the root of chi-square per degree of freedom. The other compares the
+//! standard errors with those of a jackknife: the scatter of the estimates that leave one
+//! photograph out each (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapter 11).
+//! A single photograph is left out by halves, along its edge.
+//!
+//! A fifth test asks whether the photographs agree on mu. Their exposures decide this, and the blur
+//! does not depend on exposures. So this misfit raises the standard errors of mu alone.
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use crate::compare::Remainder;
+use crate::estimate::scene::Scene;
+use crate::estimate::search::fitted::Estimate;
+use crate::estimate::search::layout::Layout;
+use crate::estimate::search::loss::Loss;
+use edges::names::ParameterKind;
+use edges::numerics::Evaluation;
+use edges::numerics::chance;
+
+/// Probability below which noise does not explain a misfit.
+///
+/// Four tests are made, so noise alone is called a misfit in at most 4 campaigns of 1,000.
+const SIGNIFICANT: f64 = 1e-3;
+
+/// Change of a parameter, in standard errors, from which a misfit matters.
+const MATTERS: f64 = 0.5;
+
+/// Factor on the standard errors from which a fit is poor. The misfit is then larger than the noise
+/// by sqrt 3. This limit is a convention.
+const POOR: f64 = 2.0;
+
+/// Quality of a fit in one word: whether it describes its photographs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Noise explains the misfit, or one photograph does that does not matter.
+    Good,
+    /// The misfit is significant. The standard errors are raised by less than 2.
+    Strained,
+    /// The misfit is so large that the standard errors are raised by 2 or more.
+    Poor,
+}
+
+impl Verdict {
+    /// Returns the verdict on a significant misfit that raises the standard errors by `scale`.
+    fn of(scale: f64) -> Verdict {
+        if scale < POOR {
+            Verdict::Strained
+        } else {
+            Verdict::Poor
+        }
+    }
+
+    /// Returns the name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Verdict::Good => "good",
+            Verdict::Strained => "strained",
+            Verdict::Poor => "poor",
+        }
+    }
+}
+
+/// Probabilities that noise alone explains what a fit leaves. Small ones speak of a misfit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Chances {
+    /// Of the sum of squares of all differences.
+    pub chi2: f64,
+    /// Of the sums over neighbours across the edge, or over neighbouring frequencies.
+    pub across: f64,
+    /// Of the changes along the edge; 1 by MTFs, which do not tell.
+    pub along: f64,
+    /// Of the photograph with the largest misfit among all.
+    pub photograph: f64,
+    /// Of the differences between the light of the photographs and that which mu gives; 1 without
+    /// mu.
+    pub light: f64,
+}
+
+impl Chances {
+    /// Returns the least of those that tell of the blur.
+    fn least(self) -> f64 {
+        let all = [self.chi2, self.across, self.along, self.photograph];
+        all.into_iter().fold(1.0, f64::min)
+    }
+
+    /// Returns whether the differences have a structure that noise does not explain.
+    fn are_structured(self) -> bool {
+        self.across.min(self.along) < SIGNIFICANT
+    }
+}
+
+/// Quality of a fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Goodness {
+    /// Sum of squares of the differences, in units of their noise.
+    pub chi2: f64,
+    /// Number of independent differences less that of the fitted parameters.
+    pub degrees_of_freedom: usize,
+    /// Probabilities that noise alone explains the misfit.
+    pub chances: Chances,
+    /// Factor on all standard errors: 1 if the misfit is not significant.
+    pub scale: f64,
+    /// Factor on the standard errors of mu: at least `scale`, and more if the photographs disagree
+    /// on mu.
+    pub scale_of_mu: f64,
+    /// The quality in one word.
+    pub verdict: Verdict,
+    /// Photograph with the largest misfit.
+    pub worst: Option<Worst>,
+    /// Numbers of the photographs, the one with the largest misfit first.
+    pub(crate) worst_first: Vec<usize>,
+}
+
+/// Photograph with the largest misfit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Worst {
+    /// Name of the file.
+    pub image: String,
+    /// Chi-square per degree of freedom of this photograph.
+    pub reduced_chi2: f64,
+}
+
+impl Goodness {
+    /// Returns chi-square per degree of freedom.
+    pub fn reduced_chi2(&self) -> f64 {
+        self.chi2 / self.degrees_of_freedom as f64
+    }
+
+    /// Returns the factors on the standard errors of the blur and of mu.
+    pub fn scales(&self) -> [f64; 2] {
+        [self.scale, self.scale_of_mu]
+    }
+
+    /// Returns whether the photographs disagree on mu.
+    pub(crate) fn is_light_off(&self) -> bool {
+        self.chances.light < SIGNIFICANT
+    }
+}
+
+/// Name of the reference among the photographs.
+pub(crate) const REFERENCE: &str = "the reference";
+
+/// Judges a fit. `loss` is the loss that gave it, and `fit` has standard errors by the noise alone.
+pub fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
+    let layout = Layout::new(fit.choice, scene.groups.len());
+    let remainders = loss.remainders(&layout, &fit.solution.parameters);
+    let degrees_of_freedom = fit.degrees_of_freedom();
+    let own: Vec<f64> = remainders
+        .iter()
+        .map(|own| chance::of_squares(own.squares, own.freedom))
+        .collect();
+    let mut worst_first: Vec<usize> = (0..own.len()).collect();
+    worst_first.sort_by(|&a, &b| {
+        let by_reduced = || remainders[b].reduced().total_cmp(&remainders[a].reduced());
+        own[a].total_cmp(&own[b]).then_with(by_reduced)
+    });
+    let worst = worst_first.first().copied();
+    // The reference comes after the photographs, and is none of them.
+    worst_first.retain(|&i| i < scene.shots.len());
+    let least = worst.map_or(1.0, |worst| own[worst]);
+    let chances = Chances {
+        chi2: chance::of_squares(fit.chi2, degrees_of_freedom),
+        across: of_sums(&remainders, |own| &own.across),
+        along: of_sums(&remainders, |own| &own.along),
+        photograph: chance::of_least(least, own.len()),
+        light: fit
+            .scatter
+            .as_ref()
+            .map_or(1.0, |own| chance::of_squares(own.squares(), own.freedom)),
+    };
+    let mut goodness = Goodness {
+        chi2: fit.chi2,
+        degrees_of_freedom,
+        chances,
+        scale: 1.0,
+        scale_of_mu: 1.0,
+        verdict: Verdict::Good,
+        worst: worst.map(|worst| {
+            let shot = scene.shots.get(worst);
+            Worst {
+                image: shot.map_or(REFERENCE.to_owned(), |shot| shot.image.clone()),
+                reduced_chi2: remainders[worst].reduced(),
+            }
+        }),
+        worst_first,
+    };
+    let misfit = || {
+        let left_out = LeftOut::all(scene, loss, &layout, fit);
+        let moved = worst.and_then(|worst| left_out.moved(worst, fit));
+        let is_small = moved.is_some_and(|moved| moved < MATTERS);
+        let by_chi2 = goodness.reduced_chi2().sqrt();
+        let scale = || by_chi2.max(left_out.scale(scene, fit)).max(1.0);
+        (chances.are_structured() || !is_small).then(scale)
+    };
+    // A misfit of one photograph that does not matter raises nothing.
+    if chances.least() < SIGNIFICANT
+        && let Some(scale) = misfit()
+    {
+        goodness.scale = scale;
+        goodness.verdict = Verdict::of(scale);
+    }
+    goodness.scale_of_mu = goodness.scale;
+    if let Some(scatter) = fit.scatter.as_ref().filter(|_| goodness.is_light_off()) {
+        let own = (scatter.squares() / scatter.freedom.max(1) as f64).sqrt();
+        goodness.scale_of_mu = goodness.scale.max(own);
+        goodness.verdict = goodness.verdict.max(Verdict::Strained);
+    }
+    goodness
+}
+
+/// Returns the probability of the sums that `of` names, over all photographs.
+fn of_sums(remainders: &[Remainder], of: fn(&Remainder) -> &Vec<f64>) -> f64 {
+    let sums = remainders.iter().flat_map(of);
+    let (mut squares, mut freedom) = (0.0, 0);
+    for sum in sums {
+        squares += sum * sum;
+        freedom += 1;
+    }
+    chance::of_squares(squares, freedom)
+}
+
+/// Changes of the blur's parameters, as logarithms, if one photograph is left out: to first order,
+/// by one Gauss-Newton step each.
+pub struct LeftOut {
+    /// Changes without each photograph in turn.
+    pub each: Vec<DVector<f64>>,
+    /// Changes without one half of the photograph, if there is one photograph.
+    pub halves: Vec<DVector<f64>>,
+}
+
+impl LeftOut {
+    /// Computes the changes for all photographs, the reference too if the loss counts it. A change
+    /// is infinite if the other photographs do not determine the parameters.
+    pub fn all(scene: &Scene, loss: &Loss, layout: &Layout, fit: &Estimate) -> LeftOut {
+        let at = &fit.solution.parameters;
+        let (_, jacobian) = loss.evaluate(layout, at);
+        let normal = jacobian.tr_mul(&jacobian);
+        // Returns normal matrix and gradient of a part.
+        let sums = |(residuals, jacobian): &Evaluation| {
+            (jacobian.tr_mul(jacobian), jacobian.tr_mul(residuals))
+        };
+        let change = |others: DMatrix<f64>, pull: DVector<f64>| {
+            let step = others.cholesky().map(|others| others.solve(&pull));
+            step.unwrap_or_else(|| DVector::from_element(at.len(), f64::INFINITY))
+        };
+        let parts = loss.parts(layout, at);
+        // At the optimum the gradients of all photographs add up to 0.
+        let each = parts.iter().map(|part| {
+            let (own, pull) = sums(part);
+            change(&normal - own, pull)
+        });
+        let single = (scene.shots.len() == 1).then(|| loss.halves(layout, at, 0));
+        let halves = single.flatten().into_iter().flatten().map(|half| {
+            let (own, pull) = sums(&parts[0]);
+            let (kept, kept_pull) = sums(&half);
+            change(&normal - own + kept, pull - kept_pull)
+        });
+        LeftOut {
+            halves: halves.collect(),
+            each: each.collect(),
+        }
+    }
+
+    /// Returns the largest change of a parameter, in standard errors, without photograph `i`.
+    pub fn moved(&self, i: usize, fit: &Estimate) -> Option<f64> {
+        let changes = self.each.get(i)?;
+        let blur = fit.values().take(fit.blur_parameters()).zip(changes);
+        let moved = blur.map(|(value, change)| change.abs() * value.value / value.standard_error);
+        // A change that is no number counts as large.
+        Some(moved.fold(0.0, |most, moved| if moved <= most { most } else { moved }))
+    }
+
+    /// Returns the ratio of the standard errors of the jackknife to those of the noise: the largest
+    /// over the kinds of parameters of the blur, each the root of the mean square over its angles.
+    pub fn scale(&self, scene: &Scene, fit: &Estimate) -> f64 {
+        let mut kinds: Vec<(ParameterKind, f64, f64)> = Vec::new();
+        let blur = fit.parameters.iter().zip(fit.values());
+        for (k, (id, value)) in blur.enumerate().take(fit.blur_parameters()) {
+            let at_angle = |i: usize| {
+                let shot = scene.shots.get(i);
+                let apart = shot.zip(id.incidence_deg);
+                apart.is_none_or(|(shot, deg)| shot.incidence_deg == deg)
+            };
+            let photographs = (0..self.each.len().min(scene.shots.len()))
+                .filter(|&i| at_angle(i))
+                .map(|i| &self.each[i]);
+            let own: Vec<f64> = photographs
+                .chain(&self.halves)
+                .map(|change| change[k])
+                .filter(|change| change.is_finite())
+                .collect();
+            let ratio = variance(&own) * (value.value / value.standard_error).powi(2);
+            if own.len() < 2 || !ratio.is_finite() {
+                continue;
+            }
+            match kinds.iter_mut().find(|(kind, ..)| *kind == id.kind) {
+                Some((_, sum, count)) => (*sum, *count) = (*sum + ratio, *count + 1.0),
+                None => kinds.push((id.kind, ratio, 1.0)),
+            }
+        }
+        let all = kinds.iter().map(|(_, sum, count)| (sum / count).sqrt());
+        all.fold(0.0, f64::max)
+    }
+}
+
+/// Returns the jackknife's variance of a number from its values without one of the data each.
+pub fn variance(without: &[f64]) -> f64 {
+    let n = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / n;
+    let squares: f64 = without.iter().map(|v| (v - mean).powi(2)).sum();
+    squares * (n - 1.0) / n
+}

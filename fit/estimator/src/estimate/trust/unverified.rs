@@ -1,0 +1,476 @@
+//! What the estimate takes on trust: numbers of the manifest and of the table that no photograph
+//! can check, each with the effect of a small error on c, a and mu.
+//!
+//! An effect is a step of Gauss and Newton. The chosen candidate, at its optimum, is compared with
+//! the photographs in the scene as it would be if the number were another (see `perturbed`), and mu
+//! follows at the end of the step. Noise and light of the photographs are found at the optimum. The
+//! step misses the optimum of the other scene by a part of the effect that is about as large as the
+//! effect itself, a few percent of it. Another cell has large effects, and is fitted to the end.
+//! Effects that follow by arithmetic alone need no step:
+//!
+//! - mu is proportional to the exposure of the reference, and inversely proportional to the half
+//!   mirror.
+//! - The distance R enters the model only as A / R, as lambda R, and as R times a deviation.
+//! - With the pitch p all lengths in the image are multiplied by s = p'/p, and R and the wavelength
+//!   are not. Measured in units of s mm nothing changes but R and the wavelength lambda, which
+//!   become R / s and lambda / s. So c is that of a fit at R / s, times s, and a is divided by s.
+//!   A = a R keeps its value at R / s. The waves depend on lambda R alone: their fit is at R / s^2.
+
+use serde::{Deserialize, Serialize};
+use tables::Table;
+
+use crate::estimate::scene::perturbed::{Conditions, OtherIndex, sends_straight_back};
+use crate::estimate::scene::{Aerial, Scene};
+use crate::estimate::search::bound::Bounds;
+use crate::estimate::search::fitted::{Estimate, estimate};
+use crate::estimate::search::layout::Layout;
+use crate::estimate::search::loss::{Kind, Loss};
+use crate::estimate::search::optimum::{Optimum, optimum, refined};
+use crate::estimate::trust::suspects::OtherTable;
+use edges::names::{Kernel, ParameterKind};
+use edges::numerics::{Solution, Stop};
+use edges::photographs::Campaign;
+
+/// Step of a number that is a scale: 1 %.
+const STEP: f64 = 1.01;
+
+/// Text of [`STEP`].
+const ONE_PERCENT: &str = "1 %";
+
+/// Number that is taken on trust.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum UnverifiedInput {
+    /// Width of a pixel in the plane of the mid-air image, mm.
+    PixelPitchMm,
+    /// Floating distances of all photographs, mm.
+    FloatingDistanceMm,
+    /// Transmittance times reflectance of the half mirror.
+    HalfMirror,
+    /// Exposure of the reference photograph.
+    ReferenceExposure,
+    /// Wavelengths of the source, nm.
+    WavelengthNm,
+    /// Refractive index of the table.
+    RefractiveIndex,
+    /// Incidences of all photographs, degrees.
+    IncidenceDeg,
+    /// Azimuths of all photographs, degrees.
+    AzimuthDeg,
+    /// Tangential axes of all photographs, degrees.
+    TangentialAxisDeg,
+    /// Cell of the table.
+    Cell,
+}
+
+impl UnverifiedInput {
+    /// Returns the name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            UnverifiedInput::PixelPitchMm => "pixel_pitch_mm",
+            UnverifiedInput::FloatingDistanceMm => "floating_distance_mm",
+            UnverifiedInput::HalfMirror => "half_mirror",
+            UnverifiedInput::ReferenceExposure => "reference_exposure",
+            UnverifiedInput::WavelengthNm => "wavelength_nm",
+            UnverifiedInput::RefractiveIndex => "refractive_index",
+            UnverifiedInput::IncidenceDeg => "incidence_deg",
+            UnverifiedInput::AzimuthDeg => "azimuth_deg",
+            UnverifiedInput::TangentialAxisDeg => "tangential_axis_deg",
+            UnverifiedInput::Cell => "cell",
+        }
+    }
+}
+
+/// Relative changes of the parameters if the number were larger by its step.
+///
+/// A change is null if the kernel has no such parameter, if the photographs only bound it, or if
+/// the step cannot be computed. Of several values by incidence it is the largest change.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Effect {
+    /// Change of c.
+    pub c_mm: Option<f64>,
+    /// Change of a, or of A under the kernel `angular`.
+    pub a_per_mm: Option<f64>,
+    /// Change of mu.
+    pub mu: Option<f64>,
+}
+
+/// Number that is taken on trust, with the effect of a step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Unverified {
+    /// The number.
+    pub what: UnverifiedInput,
+    /// Value of the number; null if the photographs differ, and for a cell.
+    pub value: Option<f64>,
+    /// The step, with its unit: `1 %`, `1 deg`, or another table.
+    pub step: String,
+    /// Effect of the step.
+    pub effect: Effect,
+}
+
+/// Estimate whose inputs are doubted.
+pub struct Doubted<'a> {
+    /// Scene of the estimate, in closed form.
+    pub scene: &'a Scene,
+    /// Campaign of the scene.
+    pub campaign: &'a Campaign,
+    /// Table of the estimate.
+    pub table: &'a Table,
+    /// Tables of other cells.
+    pub others: &'a [OtherTable],
+    /// Loss that was minimised.
+    pub kind: Kind,
+    /// The estimate.
+    pub best: &'a Estimate,
+    /// Parameters that the photographs only bound.
+    pub bounds: &'a Bounds,
+    /// True if the azimuth was estimated.
+    pub azimuth_found: bool,
+}
+
+/// Changes of the logarithms of all parameters: c, the spreads, mu.
+type Changes = Vec<f64>;
+
+/// How the change of the estimate in a perturbed scene is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Solve {
+    /// One step of Gauss and Newton.
+    Step,
+    /// A fit to the end.
+    Fit,
+}
+
+impl Doubted<'_> {
+    /// Returns all that is taken on trust, with the effect of each step.
+    pub fn unverified(&self) -> Vec<Unverified> {
+        // Samples give another optimum than the closed form, in which the effects are computed.
+        let base = match self.best.sampling {
+            Some(_) => self.found(self.scene, Solve::Fit),
+            None => Some(self.best.logarithms()),
+        };
+        let doubts = Doubts {
+            doubted: self,
+            base: base.as_deref(),
+        };
+        let mut all = doubts.scales();
+        all.extend(doubts.angles());
+        all.extend(doubts.cells());
+        all
+    }
+
+    /// Returns the logarithms of all parameters in another scene, or `None` if a photograph has no
+    /// light there or the candidate fails.
+    fn found(&self, scene: &Scene, solve: Solve) -> Option<Vec<f64>> {
+        if !scene.is_lit() || scene.groups.len() != self.scene.groups.len() {
+            return None;
+        }
+        // Noise and light are found as the estimate in the other scene would find them.
+        let near = match solve {
+            Solve::Step => self.best.optimum(),
+            Solve::Fit => optimum(scene, self.best.choice),
+        };
+        let loss = Loss::new(self.kind, scene, (near.choice, &near.solution.parameters));
+        let found = match solve {
+            Solve::Step => self.stepped(scene, &loss, near)?,
+            Solve::Fit => refined(scene, &loss, near),
+        };
+        let is_found = found.solution.stop != Stop::Failed;
+        is_found.then(|| estimate(scene, &loss, found).logarithms())
+    }
+
+    /// Makes one step of Gauss and Newton. Parameters that are only bounded stay. Returns `None` if
+    /// a parameter would change by more than a factor of e, where the step has no meaning.
+    fn stepped(&self, scene: &Scene, loss: &Loss, from: Optimum) -> Option<Optimum> {
+        let layout = Layout::new(from.choice, scene.groups.len());
+        let start = from.solution.parameters;
+        let (residuals, jacobian) = loss.evaluate(&layout, &start);
+        let mut free = jacobian.clone();
+        for (i, id) in self
+            .best
+            .parameters
+            .iter()
+            .enumerate()
+            .take(layout.parameters())
+        {
+            if self.bounds.contains_key(id) {
+                free.column_mut(i).fill(0.0);
+            }
+        }
+        let normal = free.tr_mul(&free);
+        if normal.iter().any(|entry| !entry.is_finite()) {
+            return None;
+        }
+        let normal = normal.svd(true, true);
+        let least = f64::EPSILON * normal.singular_values.max();
+        let step = normal.solve(&free.tr_mul(&residuals), least).ok()?;
+        step.iter().all(|by| by.abs() < 1.0).then(|| Optimum {
+            choice: from.choice,
+            solution: Solution {
+                parameters: start - step,
+                residuals,
+                jacobian,
+                iterations: 1,
+                stop: Stop::IterationLimit,
+            },
+            observations: loss.observations(),
+        })
+    }
+}
+
+/// Doubts about the inputs of an estimate.
+struct Doubts<'a> {
+    doubted: &'a Doubted<'a>,
+    /// Logarithms of the parameters in the scene as it stands.
+    base: Option<&'a [f64]>,
+}
+
+impl Doubts<'_> {
+    /// Doubts the numbers that are scales: lengths, light, and the refractive index.
+    fn scales(&self) -> Vec<Unverified> {
+        let Doubted { scene, table, .. } = *self.doubted;
+        let own = scene.optics.camera.pitch_mm;
+        let r_mm = equal(scene.shots.iter().map(|shot| Some(shot.r_mm)));
+        let farther = self.farther(STEP);
+        let entry = |what, value, changes| self.entry(what, value, ONE_PERCENT, changes);
+        let mut all = vec![
+            entry(
+                UnverifiedInput::PixelPitchMm,
+                Some(own),
+                self.wider_pixels(),
+            ),
+            entry(UnverifiedInput::FloatingDistanceMm, r_mm, farther.clone()),
+            entry(
+                UnverifiedInput::HalfMirror,
+                Some(scene.half_mirror),
+                Some(self.of_mu(1.0 / STEP)),
+            ),
+        ];
+        if let Some(reference) = &scene.reference {
+            let exposure = Some(reference.exposure);
+            all.push(entry(
+                UnverifiedInput::ReferenceExposure,
+                exposure,
+                Some(self.of_mu(STEP)),
+            ));
+        }
+        if self.doubted.best.choice.kernel.has_waves() {
+            // Waves depend on the product of wavelength and distance alone.
+            let lines = scene.spectrum.iter().flat_map(|spectrum| spectrum.lines());
+            let value = equal(lines.map(|line| Some(line.wavelength_nm)));
+            all.push(entry(UnverifiedInput::WavelengthNm, value, farther));
+        }
+        let index = table.provenance.refractive_index;
+        let denser = OtherIndex::of(table, STEP * index);
+        let denser = denser.and_then(|other| self.perturbed(Some(other), |_| ()));
+        all.push(entry(UnverifiedInput::RefractiveIndex, Some(index), denser));
+        all
+    }
+
+    /// Doubts the angles.
+    fn angles(&self) -> Vec<Unverified> {
+        let scene = self.doubted.scene;
+        let mut all = Vec::new();
+        let steeper = |by: f64| {
+            // The light of the incidence -x comes from the other side, at x.
+            let place = move |conditions: &mut Conditions| {
+                conditions.incidence_deg = (conditions.incidence_deg + by).abs();
+            };
+            self.perturbed(None, place)
+        };
+        let value = equal(scene.shots.iter().map(|shot| Some(shot.incidence_deg)));
+        all.push(self.either_way(UnverifiedInput::IncidenceDeg, value, steeper));
+        let azimuths = || scene.shots.iter().map(|shot| shot.direction.azimuth_deg);
+        // A mean over all azimuths has none, and one that was estimated is not taken on trust.
+        if azimuths().any(|own| own.is_some()) && !self.doubted.azimuth_found {
+            let turned = |by: f64| {
+                let place = move |conditions: &mut Conditions| {
+                    conditions.azimuth_deg = conditions.azimuth_deg.map(|own| own + by);
+                };
+                self.perturbed(None, place)
+            };
+            all.push(self.either_way(UnverifiedInput::AzimuthDeg, equal(azimuths()), turned));
+        }
+        let turned = |by: f64| {
+            let place =
+                move |conditions: &mut Conditions| conditions.axis_turn_rad += by.to_radians();
+            self.perturbed(None, place)
+        };
+        let captures = self.doubted.campaign.captures.iter();
+        let value = equal(captures.map(|capture| Some(capture.tangential_axis_deg)));
+        all.push(self.either_way(UnverifiedInput::TangentialAxisDeg, value, turned));
+        all
+    }
+
+    /// Doubts the cell: each other table stands in place of the table.
+    fn cells(&self) -> Vec<Unverified> {
+        let Doubted { scene, others, .. } = *self.doubted;
+        if others.is_empty() {
+            return vec![self.entry(UnverifiedInput::Cell, None, "another cell", None)];
+        }
+        let own: Vec<Conditions> = scene.shots.iter().map(Aerial::conditions).collect();
+        let one = |other: &OtherTable| {
+            let perturbed = scene.perturbed(&other.table, None, &own).ok();
+            let changes = perturbed.and_then(|scene| self.changes(&scene, Solve::Fit));
+            let step = format!("table {}", other.name);
+            self.entry(UnverifiedInput::Cell, None, &step, changes)
+        };
+        others.iter().map(one).collect()
+    }
+
+    /// Makes an entry for a step of one degree, or, where the table has no such direction, of one
+    /// degree the other way.
+    fn either_way(
+        &self,
+        what: UnverifiedInput,
+        value: Option<f64>,
+        changes: impl Fn(f64) -> Option<Changes>,
+    ) -> Unverified {
+        let ways = [(1.0, "1 deg"), (-1.0, "-1 deg")];
+        let mut found = ways.iter().map(|&(by, step)| (step, changes(by)));
+        let effect = found.find(|(_, changes)| changes.is_some());
+        let (step, changes) = effect.unwrap_or(("1 deg", None));
+        self.entry(what, value, step, changes)
+    }
+
+    /// Returns the changes if all photographs had been taken otherwise.
+    fn perturbed(
+        &self,
+        index: Option<OtherIndex>,
+        by: impl Fn(&mut Conditions),
+    ) -> Option<Changes> {
+        let Doubted { scene, table, .. } = *self.doubted;
+        let other = |shot: &Aerial| {
+            let mut conditions = shot.conditions();
+            by(&mut conditions);
+            conditions
+        };
+        let conditions: Vec<Conditions> = scene.shots.iter().map(other).collect();
+        self.changes(
+            &scene.perturbed(table, index, &conditions).ok()?,
+            Solve::Step,
+        )
+    }
+
+    /// Returns the changes in another scene.
+    fn changes(&self, scene: &Scene, solve: Solve) -> Option<Changes> {
+        let (base, found) = (self.base?, self.doubted.found(scene, solve)?);
+        Some(
+            found
+                .iter()
+                .zip(base)
+                .map(|(found, own)| found - own)
+                .collect(),
+        )
+    }
+
+    /// Returns the changes if all floating distances were `by` times as long.
+    fn farther(&self, by: f64) -> Option<Changes> {
+        let Doubted { table, best, .. } = *self.doubted;
+        let kernel = best.choice.kernel;
+        let mut changes = self.none();
+        match kernel {
+            _ if kernel.has_waves() || kernel.is_baseline() || !sends_straight_back(table) => {
+                self.perturbed(None, |conditions| conditions.r_mm *= by)
+            }
+            Kernel::Angular => {
+                self.spreads(&mut changes)
+                    .iter_mut()
+                    .for_each(|a| *a += by.ln());
+                Some(changes)
+            }
+            _ => Some(changes),
+        }
+    }
+
+    /// Returns the changes if the pixels were wider by a step.
+    fn wider_pixels(&self) -> Option<Changes> {
+        let kernel = self.doubted.best.choice.kernel;
+        let mut changes = self.farther(match kernel {
+            Kernel::Wave => STEP.powi(-2),
+            _ => STEP.recip(),
+        })?;
+        if kernel.has_c() {
+            changes[0] += STEP.ln();
+        }
+        if kernel.has_lobe() && ParameterKind::spread_of(kernel) == ParameterKind::APerMm {
+            self.spreads(&mut changes)
+                .iter_mut()
+                .for_each(|a| *a -= STEP.ln());
+        }
+        Some(changes)
+    }
+
+    /// Returns the changes if all mu were `by` times as large.
+    fn of_mu(&self, by: f64) -> Changes {
+        let mut changes = self.none();
+        let blur = self.doubted.best.blur_parameters();
+        changes.iter_mut().skip(blur).for_each(|mu| *mu += by.ln());
+        changes
+    }
+
+    /// Returns no changes.
+    fn none(&self) -> Changes {
+        vec![0.0; self.doubted.best.parameters.len()]
+    }
+
+    /// Returns the part of the changes that belongs to the spreads.
+    fn spreads<'c>(&self, changes: &'c mut Changes) -> &'c mut [f64] {
+        let best = self.doubted.best;
+        let end = best.blur_parameters();
+        &mut changes[end - best.spread.len()..end]
+    }
+
+    /// Makes an entry from changes of the logarithms.
+    fn entry(
+        &self,
+        what: UnverifiedInput,
+        value: Option<f64>,
+        step: &str,
+        changes: Option<Changes>,
+    ) -> Unverified {
+        let Doubted { best, bounds, .. } = *self.doubted;
+        let largest = |kinds: &[ParameterKind]| {
+            let pairs = best.parameters.iter().zip(changes.as_ref()?);
+            let known =
+                pairs.filter(|(id, _)| kinds.contains(&id.kind) && !bounds.contains_key(id));
+            let shares = known.map(|(_, change)| change.exp_m1());
+            let shares = shares.filter(|share| share.is_finite());
+            shares.max_by(|a, b| a.abs().total_cmp(&b.abs()))
+        };
+        Unverified {
+            what,
+            value,
+            step: step.to_owned(),
+            effect: Effect {
+                c_mm: largest(&[ParameterKind::CornerSize]),
+                a_per_mm: largest(&[ParameterKind::APerMm, ParameterKind::ATimesR]),
+                mu: largest(&[ParameterKind::Mu]),
+            },
+        }
+    }
+}
+
+/// Returns the value that all have, or `None` if they differ or there is none.
+fn equal(mut values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let first = values.next()??;
+    values.all(|other| other == Some(first)).then_some(first)
+}
+
+/// Returns one sentence that names, for each of c, a and mu, what a step changes most; `None` if
+/// nothing is known.
+pub fn in_words(trusted: &[Unverified]) -> Option<String> {
+    let most = ["c", "a", "mu"]
+        .into_iter()
+        .enumerate()
+        .filter_map(|(k, name)| {
+            let of = |effect: &Effect| [effect.c_mm, effect.a_per_mm, effect.mu][k];
+            let known = trusted
+                .iter()
+                .filter_map(|entry| Some((entry, of(&entry.effect)?)));
+            let (entry, share) = known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+            let (what, step, percent) = (entry.what.name(), &entry.step, 100.0 * share);
+            Some(format!("{name} {percent:+.2} % by {step} of {what}"))
+        });
+    let most: Vec<String> = most.collect();
+    (!most.is_empty()).then(|| format!("taken on trust, largest effects: {}", most.join(", ")))
+}

@@ -1,0 +1,544 @@
+//! `fit estimate`: a, c and mu from a campaign of photographs.
+
+mod summary;
+
+use std::collections::{BTreeMap, HashMap};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+use tables::cli as terminal;
+
+use tables::{Outputs, Table};
+
+use crate::cli::estimate::summary::summary;
+use crate::cli::failure::Failure;
+use crate::cli::host::Caller;
+use crate::cli::options::expected::{self, Expected};
+use crate::cli::options::parse;
+use crate::cli::options::sampled;
+use crate::cli::options::sampled::Samples;
+use crate::cli::options::terms::Terms;
+use crate::cli::output;
+use crate::cli::progress::Bar;
+use edges::names::Family;
+use edges::names::Spectrum;
+use edges::photographs::captures;
+use edges::photographs::photo::channel::Channel;
+use edges::photographs::photo::in_memory::InMemory;
+use edges::photographs::{Campaign, Shot};
+use estimator::estimate::Forward;
+use estimator::estimate::Kind;
+use estimator::estimate::OtherTable;
+use estimator::estimate::Progress;
+use estimator::estimate::campaign::campaign;
+use estimator::estimate::error;
+use estimator::estimate::scene::Source;
+use estimator::estimate::{Estimated, Options};
+use estimator::result::ResultFile;
+use estimator::result::TableResult;
+use estimator::result::Truth;
+#[cfg(feature = "full")]
+use pictures::report::page::evidence::Evidence;
+#[cfg(feature = "full")]
+use pictures::report::page::shown::Page;
+#[cfg(feature = "full")]
+use pictures::report::plot;
+
+/// Estimates a, c and mu of a sheet from photographs of mid-air edges.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Losses (--loss):
+  edge  compares the pixels around the edge by maximum likelihood. Its errors
+        are within a few percent of the Cramer-Rao bound.
+  mtf   compares the MTF curves, each difference weighted by its noise. Its
+        errors are 1.7 (c) and 2.4 (a) times the bound.
+  mse   compares the MTF curves, all frequencies alike, as in the paper. Its
+        errors are up to twice those of mtf. Terms and bounds are those of mtf.
+`fit study` and fit/BENCHMARKS.md give these figures.
+
+Terms that you leave open (auto) are chosen by Bayes' information criterion
+(BIC) on the residuals in units of their noise: a further term must lower it by
+more than 4. Standard errors contain the noise of the pixels, the fit of the
+lens, the step of the reference and the noise of the table's rays.
+
+The manifest's key seen_in_mirror (false if left out) says whether the camera
+sees the sheet in the half mirror or straight. If the answer depends on it and
+it is left out, a warning names both answers.
+
+Examples:
+  bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 \\
+      --azimuth 30
+  fit estimate captures.toml --table pair.h5 -o result.json
+  fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial \\
+      --per-angle a,mu --plot mtf.svg -o result.json
+  fit estimate captures.toml --table pair.h5 -o result.json --report report.html
+  fit estimate captures.toml --table pair.h5 --model saito --loss mtf \\
+      -o saito.json
+  bake trace pair.obj -o all.h5 --refractive-index 1.49 --azimuth full \\
+      --direction-tolerance 0.005
+  fit estimate captures.toml --table all.h5 --fit-azimuth
+  fit estimate captures.toml --table pair.h5 --forward render --loss mse \\
+      --samples 16 -o result.json
+
+Words and formulas: fit/doc/model.md")]
+pub(crate) struct Arguments {
+    /// Manifest of the campaign (captures.toml), which lists the photographs.
+    pub captures: PathBuf,
+    /// Ray-shift table of the sheet, from `bake trace`.
+    ///
+    /// It may be given several times. The further tables are tried if the first one does not
+    /// describe the photographs.
+    #[arg(long, value_name = "TABLE.h5", required = true)]
+    pub table: Vec<PathBuf>,
+    /// Content hash that the table must have, as `bake verify` prints it.
+    ///
+    /// Of several tables it is that of the first one. The key expect_table in [setup] of the
+    /// manifest does the same. If both are given, they must agree.
+    #[arg(long, value_name = "HASH")]
+    pub expect_table: Option<String>,
+    /// File that receives the result, as JSON.
+    #[arg(short, long, value_name = "RESULT.json")]
+    pub output: Option<PathBuf>,
+    /// Terms of the model.
+    #[command(flatten)]
+    pub terms: Terms,
+    /// Wavelengths of the source, nm, with their weights.
+    ///
+    /// Write 550, or 450:0.2,550:0.5,620:0.3. The wavelengths replace wavelength_nm of the
+    /// manifest. Only the kernel wave needs them.
+    #[arg(
+        long,
+        value_name = "NM[:WEIGHT],...",
+        value_parser = Spectrum::parse,
+        help_heading = "Light"
+    )]
+    pub wavelength_nm: Option<Spectrum>,
+    /// Forward model.
+    ///
+    /// spectral evaluates the model in closed form. render draws samples, as the published loop
+    /// does, and reports its sampling error.
+    #[arg(
+        long,
+        value_enum,
+        default_value_t = Forward::Spectral,
+        help_heading = "Forward model"
+    )]
+    pub forward: Forward,
+    /// Samples of a render.
+    #[command(flatten)]
+    pub samples: Samples,
+    /// Loss to minimise; edge if left out.
+    ///
+    /// With --forward render it is mtf if left out, because a render is compared by its MTF. The
+    /// losses are described below.
+    #[arg(long, value_enum, help_heading = "Forward model")]
+    pub loss: Option<Kind>,
+    /// Estimates the azimuth of the sheet too, in degrees.
+    ///
+    /// One angle is estimated. It is added to azimuth_deg of each capture, which is 0 if left out.
+    /// The table must hold all azimuths (bake trace --azimuth full).
+    #[arg(long, conflicts_with_all = ["forward", "model"], help_heading = "Model")]
+    pub fit_azimuth: bool,
+    /// Planted answer to print beside the estimate.
+    ///
+    /// It is the truth.json that `fit simulate` writes.
+    #[arg(long, value_name = "TRUTH.json", help_heading = "Output and threads")]
+    pub truth: Option<PathBuf>,
+    /// File that receives the MTF curves as a picture, .svg.
+    ///
+    /// The picture shows the measured and the modelled curves.
+    #[cfg(feature = "full")]
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// File that receives all results on one page, as HTML.
+    ///
+    /// The page shows estimates with intervals, curves, the choice of terms, and warnings with
+    /// pictures.
+    #[cfg(feature = "full")]
+    #[arg(long, value_name = "REPORT.html")]
+    pub report: Option<PathBuf>,
+    /// Colour channel that is fitted: a name, or each.
+    ///
+    /// Write luminance, red, green, blue, or the name of a channel in the file. The channel
+    /// replaces that of the manifest, for all photographs. With each, red, green and blue are
+    /// fitted one by one, and the result is an object with one result per channel.
+    #[arg(long, value_name = "NAME", value_parser = channels, help_heading = "Light")]
+    pub channel: Option<Channels>,
+    /// Number of threads; one per core if left out.
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Output and threads",
+        value_parser = terminal::whole::<NonZeroUsize>(1..)
+    )]
+    pub threads: Option<NonZeroUsize>,
+    /// Prints the result as one JSON object in place of a table.
+    #[arg(long, help_heading = "Output and threads")]
+    pub json: bool,
+}
+
+/// Channels that are fitted.
+#[derive(Debug, Clone)]
+pub(crate) struct Channels(Vec<Channel>);
+
+fn channels(text: &str) -> Result<Channels, std::convert::Infallible> {
+    Ok(Channels(match text {
+        "each" => Channel::PRIMARIES.to_vec(),
+        name => vec![Channel::from_name(name)],
+    }))
+}
+
+/// Returns the options of the estimate that the command line gives.
+///
+/// # Errors
+/// Returns [`Failure::Usage`] if they exclude each other.
+fn options(arguments: &Arguments) -> Result<Options, Failure> {
+    let mut options = Options::new(arguments.terms.candidates("fit estimate")?);
+    if arguments.forward == Forward::Render {
+        options.candidates = sampled::only(options.candidates, arguments.loss, "fit estimate")?;
+        options.samples = Some(arguments.samples.sampling());
+    }
+    options.loss = arguments.loss;
+    options.fit_azimuth = arguments.fit_azimuth;
+    options.spectrum = arguments.wavelength_nm.clone();
+    if let Some(Channels(channels)) = &arguments.channel
+        && let [one] = &channels[..]
+    {
+        options.channel = Some(one.clone());
+    }
+    Ok(options)
+}
+
+impl Arguments {
+    /// Returns the table that the fit uses. There is at least one.
+    fn first_table(&self) -> &Path {
+        self.table.first().map_or(Path::new(""), PathBuf::as_path)
+    }
+}
+
+/// Returns the channels that are fitted one by one, or `None` if there is one only.
+fn several(arguments: &Arguments) -> Option<&[Channel]> {
+    let Channels(channels) = arguments.channel.as_ref()?;
+    (channels.len() > 1).then_some(channels)
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Fails if the manifest, a photograph or the table cannot be used, if the estimate fails, or if an
+/// output cannot be written.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut options = options(arguments)?;
+    #[cfg(feature = "full")]
+    if several(arguments).is_some() && (arguments.plot.is_some() || arguments.report.is_some()) {
+        return Err(Failure::conflict(
+            "fit estimate",
+            "--plot and --report show one fit; name one --channel for them",
+        ));
+    }
+    let start = Instant::now();
+    let option = arguments.expect_table.as_deref();
+    let (campaign, expected) = expected::campaign(&arguments.captures, option)?;
+    let mut outputs = Outputs::beside(inputs(arguments, &campaign));
+    let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
+    #[cfg(feature = "full")]
+    let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
+    #[cfg(feature = "full")]
+    let page = terminal::reserve(arguments.report.as_deref(), &mut outputs)?;
+    let truth: Option<Truth> = arguments
+        .truth
+        .as_deref()
+        .map(|path| parse::read_json(path, "holds a planted answer"))
+        .transpose()?;
+    let pool = terminal::pool(arguments.threads)?;
+    let table = pool.install(|| read_tables(arguments, &expected, &mut options.others))?;
+    let options = options;
+    let job = Job {
+        arguments,
+        campaign: &campaign,
+        table: &table,
+    };
+    if let Some(channels) = several(arguments) {
+        let results = pool.install(|| job.each_channel(&options, channels))?;
+        let json = output::json(&results);
+        if let Some(output) = output {
+            output.commit(json.as_bytes())?;
+        }
+        let tables = results
+            .iter()
+            .map(|(channel, result)| format!("{channel}\n{}", summary(result, truth.as_ref())));
+        return Ok(terminal::print(&if arguments.json {
+            json
+        } else {
+            tables.collect::<Vec<_>>().join("\n")
+        })?);
+    }
+    #[cfg_attr(
+        not(feature = "full"),
+        expect(unused_variables, reason = "the page shows it")
+    )]
+    let (estimated, result) = pool.install(|| job.run(&options, start))?;
+    warn(&result, "");
+    let json = output::json(&result);
+    #[cfg(feature = "full")]
+    if let Some(output) = picture {
+        output.commit(plot::fitted(&result).as_bytes())?;
+    }
+    #[cfg(feature = "full")]
+    if let Some(page) = page {
+        let evidence = pool.install(|| Evidence::of(&estimated));
+        let shown = Page {
+            result: &result,
+            table: &table,
+            campaign: &estimated.campaign,
+            truth: truth.as_ref(),
+            evidence: &evidence,
+            command: &output::command_line(std::env::args_os()),
+        };
+        page.commit(pool.install(|| shown.html()).as_bytes())?;
+    }
+    if let Some(output) = output {
+        output.commit(json.as_bytes())?;
+    }
+    Ok(terminal::print(&if arguments.json {
+        json
+    } else {
+        summary(&result, truth.as_ref())
+    })?)
+}
+
+/// Inputs of an estimate that another program calls.
+pub(super) struct Inputs<'a> {
+    /// Text of the manifest, and the photographs that it names; `None` if both are files.
+    pub(super) held: Option<(String, HashMap<PathBuf, InMemory>)>,
+    /// Table of the sheet.
+    pub(super) table: &'a Arc<Table>,
+    /// Further tables.
+    pub(super) others: Vec<OtherTable>,
+}
+
+/// Estimate that another program called.
+pub(super) struct Estimation {
+    estimated: Estimated,
+    table: Arc<Table>,
+    pub(super) result: ResultFile,
+}
+
+impl Estimation {
+    /// Returns the page of the estimate as HTML; `command` is said to have made it.
+    #[cfg(feature = "full")]
+    pub(super) fn report(&self, command: &str) -> String {
+        let evidence = Evidence::of(&self.estimated);
+        let shown = Page {
+            result: &self.result,
+            table: &self.table,
+            campaign: &self.estimated.campaign,
+            truth: None,
+            evidence: &evidence,
+            command,
+        };
+        shown.html()
+    }
+}
+
+/// Makes the estimate that another program calls. Nothing is printed or written.
+///
+/// # Errors
+/// Fails as [`run`] does, and with [`error::Error::Cancelled`] if the caller stopped it.
+pub(super) fn called(
+    arguments: &Arguments,
+    inputs: Inputs,
+    caller: Caller,
+    start: Instant,
+) -> Result<Estimation, Failure> {
+    let mut options = options(arguments)?;
+    if several(arguments).is_some() {
+        let message = "a call fits one channel; call once for each channel";
+        return Err(Failure::conflict("fit estimate", message));
+    }
+    options.others = inputs.others;
+    let option = arguments.expect_table.as_deref();
+    let (manifest, photographs) = inputs.held.unzip();
+    let photographs = photographs.unwrap_or_default();
+    let (campaign, expected) = match manifest {
+        Some(text) => {
+            let is_held = |image: &Path| photographs.contains_key(image) || image.is_file();
+            expected::of(captures::held(text, &arguments.captures, &is_held)?, option)?
+        }
+        None => expected::campaign(&arguments.captures, option)?,
+    };
+    expected.check(inputs.table, arguments.first_table())?;
+    let supply = |shot: &Shot| match photographs.get(&shot.image) {
+        Some(held) => shot.held(held),
+        None => shot.load(),
+    };
+    let progress = Progress {
+        report: Some(&|step| caller.show(step)),
+        cancel: Some(caller.stop),
+    };
+    let job = Job {
+        arguments,
+        campaign: &campaign,
+        table: inputs.table,
+    };
+    let pool = terminal::pool(arguments.threads)?;
+    let made = pool.install(|| job.reported(&supply, &options, start, &progress));
+    let (estimated, result) = made?;
+    Ok(Estimation {
+        estimated,
+        table: Arc::clone(inputs.table),
+        result,
+    })
+}
+
+/// Returns the files that are read. None of them may be an output.
+fn inputs<'a>(arguments: &'a Arguments, campaign: &'a Campaign) -> impl Iterator<Item = &'a Path> {
+    let captures = campaign.captures.iter().map(|capture| &capture.shot);
+    let shots = campaign.reference.iter().chain(captures);
+    let tables = arguments.table.iter().map(PathBuf::as_path);
+    tables
+        .chain([arguments.captures.as_path()])
+        .chain(arguments.truth.as_deref())
+        .chain(shots.map(|shot| shot.image.as_path()))
+}
+
+/// Arguments, photographs and table of one estimate.
+struct Job<'a> {
+    arguments: &'a Arguments,
+    campaign: &'a Campaign,
+    table: &'a Table,
+}
+
+impl Job<'_> {
+    /// Makes one estimate, and the result that is written of it.
+    fn run(&self, options: &Options, start: Instant) -> Result<(Estimated, ResultFile), Failure> {
+        let bar = Bar::of_steps();
+        let progress = Progress {
+            report: Some(&|step| bar.show(step)),
+            cancel: None,
+        };
+        let made = self.reported(&Shot::load, options, start, &progress);
+        bar.done();
+        made
+    }
+
+    /// Makes one estimate of the photographs that `photo` supplies.
+    fn reported(
+        &self,
+        photo: &Source,
+        options: &Options,
+        start: Instant,
+        progress: &Progress,
+    ) -> Result<(Estimated, ResultFile), Failure> {
+        let table = self.table;
+        let estimated = campaign(self.campaign, photo, table, options, progress);
+        let estimated = estimated.map_err(|error| match error {
+            error::Error::OneAzimuth(held) => Failure::OneAzimuth {
+                table: self.arguments.first_table().to_owned(),
+                held,
+            },
+            error => error.into(),
+        })?;
+        let table = TableResult::of(table);
+        let seconds = start.elapsed().as_secs_f64();
+        let result = ResultFile::new(&estimated, table, seconds);
+        Ok((estimated, result))
+    }
+
+    /// Makes one estimate for each channel, and returns the results by the name of the channel.
+    fn each_channel(
+        &self,
+        options: &Options,
+        channels: &[Channel],
+    ) -> Result<BTreeMap<String, ResultFile>, Failure> {
+        let one = |channel: &Channel| {
+            let options = Options {
+                channel: Some(channel.clone()),
+                ..options.clone()
+            };
+            let (_, result) = self.run(&options, Instant::now())?;
+            warn(&result, &format!("{channel}: "));
+            Ok((channel.to_string(), result))
+        };
+        channels.iter().map(one).collect()
+    }
+}
+
+/// Prints the warnings of a result, each with `before` in front of it.
+fn warn(result: &ResultFile, before: &str) {
+    for warning in &result.warnings {
+        terminal::warn([format!("{before}{warning}")]);
+    }
+    for capture in &result.captures {
+        for warning in &capture.warnings {
+            terminal::warn([format!("{before}{}: {warning}", capture.image)]);
+        }
+    }
+}
+
+/// Reads the table, and adds the further ones to `others`.
+///
+/// # Errors
+/// Fails if a table cannot be read, or if the first one is not the expected one.
+fn read_tables(
+    arguments: &Arguments,
+    expected: &Expected,
+    others: &mut Vec<OtherTable>,
+) -> Result<Table, Failure> {
+    let table = expected.read(arguments.first_table())?;
+    for path in arguments.table.iter().skip(1) {
+        others.push(OtherTable::read(path)?);
+    }
+    Ok(table)
+}
+
+/// Reads a RESULT.json of one fit.
+///
+/// # Errors
+/// Returns [`Failure::Json`] if the file cannot be read or holds no result. Returns
+/// [`Failure::Channel`] if it holds one result for each of several channels.
+pub(crate) fn read_result(path: &Path) -> Result<ResultFile, Failure> {
+    read_channel(path, None)
+}
+
+/// Checks that a result is of the model that was named, if one was named.
+///
+/// # Errors
+/// Returns [`Failure::Model`] if the result is of another model.
+pub(crate) fn check_model(
+    path: &Path,
+    result: &ResultFile,
+    model: Option<Family>,
+) -> Result<(), Failure> {
+    match model {
+        Some(asked) if asked != result.model => Err(Failure::Model {
+            path: path.to_owned(),
+            asked,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Reads a RESULT.json: of one fit, or the named channel of a file with several channels.
+///
+/// # Errors
+/// Returns [`Failure::Json`] if the file cannot be read or holds no result. Returns
+/// [`Failure::Channel`] if it holds several channels and `channel` names none of them.
+pub(crate) fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultFile, Failure> {
+    let expected = "`fit estimate -o` wrote";
+    let several = || parse::read_json::<BTreeMap<String, ResultFile>>(path, expected);
+    let channels = |held: BTreeMap<String, ResultFile>| Failure::Channel {
+        path: path.to_owned(),
+        held: held.into_keys().collect::<Vec<_>>().join(", "),
+    };
+    match channel {
+        None => {
+            parse::read_json(path, expected).map_err(|failure| several().map_or(failure, channels))
+        }
+        Some(name) => {
+            let mut held = several()?;
+            held.remove(name).ok_or_else(|| channels(held))
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! The options of a sheet without a fit.
+
+use std::path::Path;
+
+use clap::ArgGroup;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use tables::Table;
+
+use crate::cli::failure::Failure;
+use crate::cli::options::parse;
+use edges::names::{Kernel, Spectrum};
+use estimator::result::{ByHand, Nominal, ResultFile, Spread, TableResult};
+
+/// Numbers of a sheet that nobody has fitted. They take the place of a result.
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    next_help_heading = "Sheet without a fit",
+    group = ArgGroup::new("own_sheet").args(["sheet", "c"])
+)]
+pub(crate) struct Numbers {
+    /// Sheet whose numbers come from public sources, and from assumptions.
+    ///
+    /// It takes the place of a result. It brings a table of its cell, so that --table can be left
+    /// out.
+    #[arg(long, value_name = "NAME", value_parser = sheets())]
+    pub sheet: Option<&'static Nominal>,
+    /// Corner size c, mm: the edge of a cube from its apex.
+    ///
+    /// It takes the place of a result. Give what spreads the light too: --wavelength-nm, --a or
+    /// --a-times-r.
+    #[arg(long, value_name = "MM", value_parser = parse::positive, allow_negative_numbers = true)]
+    pub c: Option<f64>,
+    /// Kernel of these numbers: wave, eq1 or angular.
+    ///
+    /// It follows from the numbers. If it is named, it must be the one that follows.
+    #[arg(
+        long,
+        value_name = "KERNEL",
+        value_parser = kernel,
+        requires = "c",
+        conflicts_with = "sheet"
+    )]
+    pub kernel: Option<Kernel>,
+    /// Wavelengths of the source, nm, with weights; diffraction follows from them and from c.
+    ///
+    /// Write 550, or 450:0.2,550:0.5,620:0.3. The table must be exact.
+    #[arg(
+        long,
+        value_name = "NM[:WEIGHT],...",
+        value_parser = Spectrum::parse,
+        requires = "c",
+        conflicts_with_all = ["a", "a_times_r", "sheet"]
+    )]
+    pub wavelength_nm: Option<Spectrum>,
+    /// Diffraction spread a, 1/mm, the same at every distance.
+    #[arg(
+        long,
+        value_name = "A",
+        value_parser = parse::positive,
+        allow_negative_numbers = true,
+        requires = "c",
+        conflicts_with_all = ["a_times_r", "sheet"]
+    )]
+    pub a: Option<f64>,
+    /// Diffraction spread A = a R of a lobe of fixed angle.
+    #[arg(
+        long,
+        value_name = "A",
+        value_parser = parse::positive,
+        allow_negative_numbers = true,
+        requires = "c",
+        conflicts_with = "sheet"
+    )]
+    pub a_times_r: Option<f64>,
+    /// Reflectance mu of the sheet.
+    ///
+    /// Without it the luminance is not known, and an image has the brightness of its source. A
+    /// --sheet has its own.
+    #[arg(
+        long,
+        value_name = "MU",
+        value_parser = parse::share,
+        allow_negative_numbers = true,
+        requires = "own_sheet"
+    )]
+    pub mu: Option<f64>,
+    /// Transmittance times reflectance of the half mirror; 0.25 if left out.
+    #[arg(
+        long,
+        value_name = "TR",
+        value_parser = parse::share,
+        allow_negative_numbers = true,
+        requires = "own_sheet"
+    )]
+    pub half_mirror: Option<f64>,
+}
+
+/// Returns the parser of the names of nominal sheets.
+fn sheets() -> impl TypedValueParser<Value = &'static Nominal> {
+    let named = |sheet: &'static Nominal| PossibleValue::new(sheet.name).help(sheet.about);
+    PossibleValuesParser::new(Nominal::all().iter().map(named))
+        .try_map(|name| Nominal::named(&name).ok_or("no such sheet"))
+}
+
+fn kernel(text: &str) -> Result<Kernel, String> {
+    let known = [Kernel::Wave, Kernel::Eq1, Kernel::Angular];
+    let named = known.into_iter().find(|kernel| kernel.name() == text);
+    named.ok_or_else(|| "use wave, eq1 or angular".into())
+}
+
+/// Light that passes a half mirror of 50 % and is reflected by it.
+const HALF_MIRROR: f64 = 0.25;
+
+impl Numbers {
+    /// Reads the table of a file, or that of the nominal sheet where no file is named.
+    ///
+    /// # Errors
+    /// Returns the errors of reading, and [`Failure::Usage`] without a file and a sheet.
+    pub(in crate::cli) fn table(
+        &self,
+        verb: &'static str,
+        file: Option<&Path>,
+    ) -> Result<Table, Failure> {
+        match (file, self.sheet) {
+            (Some(file), _) => Ok(tables::read(file)?),
+            (None, Some(sheet)) => Ok(sheet.table()?),
+            (None, None) => {
+                let message = "give the table of the sheet's cell: --table";
+                Err(Failure::conflict(verb, message))
+            }
+        }
+    }
+
+    /// Returns the numbers as a result of this table.
+    ///
+    /// `pixel_pitch_mm` is that of images, mm.
+    ///
+    /// # Errors
+    /// Returns [`Failure::Usage`] if there are no numbers, or if nothing says what spreads the
+    /// light.
+    pub(in crate::cli) fn result(
+        &self,
+        verb: &'static str,
+        pixel_pitch_mm: f64,
+        table: &Table,
+    ) -> Result<ResultFile, Failure> {
+        let half_mirror = self.half_mirror.unwrap_or(HALF_MIRROR);
+        if let Some(sheet) = self.sheet {
+            let own = TableResult::of(&sheet.table()?);
+            let given = TableResult::of(table);
+            if !own.same_cell(&given) {
+                let message = format!(
+                    "--sheet {} is a sheet of {}, and the table is of {} with another {}; leave \
+                    --table out, or give the numbers of your sheet: --c with --wavelength-nm, --a \
+                    or --a-times-r",
+                    sheet.name,
+                    own.design,
+                    given.design,
+                    own.difference(&given)
+                );
+                return Err(Failure::conflict(verb, message));
+            }
+            return Ok(sheet.result(own, self.mu, half_mirror, pixel_pitch_mm));
+        }
+        let Some(c_mm) = self.c else {
+            let message = "give a result, a --sheet, or the numbers of a sheet: --c with \
+                --wavelength-nm, --a or --a-times-r";
+            return Err(Failure::conflict(verb, message));
+        };
+        let spread = match (&self.wavelength_nm, self.a, self.a_times_r) {
+            (Some(spectrum), ..) => Spread::Wave(spectrum.clone()),
+            (None, Some(a), _) => Spread::Lobe(a),
+            (None, None, Some(a)) => Spread::Angle(a),
+            (None, None, None) => {
+                let message = "--c alone says nothing of diffraction; give --wavelength-nm (wave \
+                    optics), --a or --a-times-r too";
+                return Err(Failure::conflict(verb, message));
+            }
+        };
+        let sheet = ByHand {
+            c_mm,
+            spread,
+            mu: self.mu,
+            half_mirror,
+            pixel_pitch_mm,
+        };
+        let result = sheet.result(TableResult::of(table));
+        match self.kernel {
+            Some(kernel) if kernel != result.kernel => Err(Failure::conflict(
+                verb,
+                format!(
+                    "--kernel {} does not follow from the numbers, which are those of {}; leave \
+                    it out, or give wave a --wavelength-nm, eq1 an --a, angular an --a-times-r",
+                    kernel.name(),
+                    result.kernel.name()
+                ),
+            )),
+            _ => Ok(result),
+        }
+    }
+}

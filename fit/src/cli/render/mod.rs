@@ -1,0 +1,473 @@
+//! `fit render`: makes the mid-air image of any picture.
+
+mod facts;
+mod image;
+mod remarks;
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::time::Instant;
+use tables::cli as terminal;
+
+use tables::{Outputs, Table};
+
+use crate::cli::estimate::{check_model, read_channel};
+use crate::cli::failure::Failure;
+use crate::cli::options::by_hand::Numbers;
+use crate::cli::options::parse;
+use crate::cli::options::sampled::Samples;
+use crate::cli::output;
+use crate::cli::progress::Bar;
+use crate::cli::render::facts::{Contrast, Report, Seconds, range};
+use crate::cli::render::image::{Method, Rendered, from_afar, from_afar_reduced, from_camera};
+pub(crate) use crate::cli::render::remarks::spacious;
+use crate::cli::render::remarks::{beyond_the_rim, clipped, of_image, of_reduced};
+use edges::names::Family;
+use edges::photographs::photo;
+use edges::photographs::photo::picture::{Picture, Writing};
+use edges::photographs::photo::transfer::Transfer;
+use estimator::estimate::Forward;
+use estimator::predict::{Fitted, remarks};
+use estimator::result::ResultFile;
+use pictures::images::render;
+use pictures::images::render::view::CameraView;
+use pictures::images::{RenderProgress, RenderStep, Scale, Viewpoint, automatic};
+
+/// Renders the mid-air image of a picture: blurred and dimmed by the fitted sheet.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+The source is an EXR, PNG, TIFF or JPEG, grey or in colour. It shows the
+picture upright, as it appears in mid air. Its pixels are squares of even
+light. What lies outside of the source is black. A pixel of the result is the
+mean of the mid-air image over its square, in the units of the source. The
+result is as dim as the mid-air image; --exposure brightens it.
+
+Examples:
+  fit render --source content.png --params result.json --table pair.h5 \\
+      --distance 300 --incidence 20 --azimuth 30 -o aerial.exr
+  fit render --source content.png --params result.json --table pair.h5 \\
+      --distance 150 --incidence 0 --azimuth 30 --exposure 10 --ambient 0.002 \\
+      -o aerial.png --json
+  fit render --source content.png --params result.json --table pair.h5 \\
+      --distance 300 --incidence 20 --azimuth 30 --forward render --samples 64 \\
+      -o sampled.exr --json
+
+Without a fit, name a sheet, or give the numbers of a sheet by hand. These signs
+are 0.2 m wide, and 1 m and 3 m away:
+  fit render --source content.png --sheet prism-0.1 --width 200 --distance 1000 \\
+      --incidence 20 --auto-exposure --beside -o near.png
+  fit render --source content.png --c 0.15 --wavelength-nm 550 --mu 0.5 \\
+      --table pair.h5 --distance 3000 --incidence 20 --azimuth 30 \\
+      --width 200 --auto-exposure --beside -o far.png
+
+With --view, a camera sees the sheet. Each pixel then has its own incidence,
+azimuth and distance, and with them its own blur and brightness. The table must
+hold directions all around (bake trace --azimuth 0:345:15). VIEW.toml gives all
+places in mm, as if the half mirror were not there:
+    [camera]
+    position_mm = [0, 0, 600]
+    [image]                         # the mid-air image
+    centre_mm = [0, 0, 0]
+    right = [1, 0, 0]               # direction in which columns are counted
+    down = [0, -1, 0]               # direction in which rows are counted
+    pixel_pitch_mm = 0.2
+    [sheet]
+    position_mm = [0, 0, -300]
+    normal = [0.34, 0, 0.94]        # towards the light
+    first_edge = [0, 1, 0]          # azimuth 0
+    seen_in_mirror = false          # true if the half mirror shows the sheet
+    [ambient]                       # may be left out
+    luminance = 0.002               # of the scene behind, source white = 1
+    [coating]                       # may be left out
+    refractive_index = 1.5          # adds the mirror image in the flat front
+
+Words and formulas: fit/doc/model.md")]
+pub(crate) struct Arguments {
+    /// Picture that becomes a mid-air image.
+    #[arg(long, value_name = "IMAGE")]
+    pub source: PathBuf,
+    /// Result that `fit estimate -o` wrote, as JSON.
+    ///
+    /// Without a fit, give --sheet, or --c and its companions, instead.
+    #[arg(
+        long,
+        value_name = "RESULT.json",
+        required_unless_present = "own_sheet",
+        conflicts_with = "own_sheet"
+    )]
+    pub params: Option<PathBuf>,
+    /// Channel of a result of several channels: red, green or blue.
+    ///
+    /// `fit estimate --channel each` writes such results.
+    #[arg(long, value_name = "NAME", conflicts_with = "own_sheet")]
+    pub channel: Option<String>,
+    /// Numbers of a sheet without a fit.
+    #[command(flatten)]
+    pub by_hand: Numbers,
+    /// Ray-shift table of the fitted cell, from `bake trace`.
+    ///
+    /// A --sheet brings its own.
+    #[arg(long, value_name = "TABLE.h5", required_unless_present = "sheet")]
+    pub table: Option<PathBuf>,
+    /// Floating distance R, mm.
+    ///
+    /// R is the length of the principal ray from the sheet to the image.
+    #[arg(
+        long,
+        visible_alias = "floating-distance",
+        value_name = "MM",
+        value_parser = parse::positive,
+        allow_negative_numbers = true,
+        required_unless_present = "view",
+        help_heading = "Place"
+    )]
+    pub distance: Option<f64>,
+    /// Incidence in the air, degrees.
+    #[arg(
+        long,
+        value_name = "DEG",
+        value_parser = parse::incidence,
+        allow_negative_numbers = true,
+        required_unless_present = "view",
+        help_heading = "Place"
+    )]
+    pub incidence: Option<f64>,
+    /// File with the places of camera, image and sheet.
+    ///
+    /// Each pixel then has its own distance, incidence and azimuth. The file also gives pixel
+    /// pitch, axes and ambient light. All its keys are shown below.
+    #[arg(
+        long,
+        value_name = "VIEW.toml",
+        conflicts_with_all = [
+            "distance", "incidence", "azimuth", "pixel_pitch", "width", "tangential_axis",
+            "seen_in_mirror", "ambient"
+        ],
+        help_heading = "Place"
+    )]
+    pub view: Option<PathBuf>,
+    /// Largest error between tiles of --view, as a share.
+    ///
+    /// The share is of the brightest pixel. A smaller share makes more tiles.
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value_t = 0.01,
+        value_parser = parse::positive,
+        help_heading = "Place"
+    )]
+    pub tolerance: f64,
+    /// Azimuth of the light, degrees; that of the table if it holds one, 0 for a --sheet.
+    #[arg(
+        long,
+        value_name = "DEG",
+        value_parser = parse::turn,
+        allow_negative_numbers = true,
+        help_heading = "Place"
+    )]
+    pub azimuth: Option<f64>,
+    /// Side of a pixel in the plane of the mid-air image, mm.
+    ///
+    /// Without this option, it is that of the fitted photographs.
+    #[arg(long, value_name = "MM", value_parser = parse::positive, help_heading = "Picture")]
+    pub pixel_pitch: Option<f64>,
+    /// Width of the picture in the air, mm, in place of --pixel-pitch.
+    ///
+    /// Under a blur of more than 8191 pixels, the picture gets fewer of them, and a warning says
+    /// so.
+    #[arg(
+        long,
+        value_name = "MM",
+        value_parser = parse::positive,
+        allow_negative_numbers = true,
+        conflicts_with = "pixel_pitch",
+        help_heading = "Picture"
+    )]
+    pub width: Option<f64>,
+    /// Direction of the plane of incidence, degrees.
+    ///
+    /// It is measured in the picture: 0 is right, 90 is down.
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        value_parser = parse::turn,
+        allow_negative_numbers = true,
+        help_heading = "Picture"
+    )]
+    pub tangential_axis: f64,
+    /// The sheet is seen in the half mirror, not straight.
+    ///
+    /// It turns the direction of azimuths and of the sagittal axis in the picture: looked at
+    /// straight, that axis is 90 degrees counter-clockwise from the tangential one.
+    #[arg(long, help_heading = "Picture")]
+    pub seen_in_mirror: bool,
+    /// Luminance behind the image; source white is 1.
+    ///
+    /// It is the light of the scene that is seen through the mid-air image.
+    #[arg(
+        long,
+        value_name = "L",
+        default_value_t = 0.0,
+        value_parser = parse::not_negative,
+        help_heading = "Picture"
+    )]
+    pub ambient: f64,
+    /// Factor on the light of the result, like an exposure.
+    #[arg(
+        long,
+        value_name = "X",
+        default_value_t = 1.0,
+        value_parser = parse::positive,
+        help_heading = "Picture"
+    )]
+    pub exposure: f64,
+    /// Makes the brightest pixel of the result as bright as that of the source.
+    ///
+    /// It is a little darker if a single colour would be brighter than any of the source. The
+    /// factor is printed. Ambient light is made brighter with it.
+    #[arg(long, conflicts_with = "exposure", help_heading = "Picture")]
+    pub auto_exposure: bool,
+    /// Puts the source beside the image, on the left.
+    #[arg(long, help_heading = "Picture")]
+    pub beside: bool,
+    /// Meaning of integers in the source: linear or srgb.
+    ///
+    /// Without this option the file decides: its cICP chunk, ICC profile, sRGB chunk, gAMA chunk or
+    /// Exif data; without these, 8 bits are sRGB and 16 bits are linear.
+    #[arg(long, value_name = "NAME", value_parser = parse::transfer, help_heading = "Picture")]
+    pub transfer: Option<Transfer>,
+    /// Forward model.
+    ///
+    /// spectral uses Fourier transforms. render draws samples, as a check.
+    #[arg(long, value_enum, default_value_t, help_heading = "Forward model")]
+    pub forward: Forward,
+    /// Samples of the blur.
+    #[command(flatten)]
+    pub samples: Samples,
+    /// Model that is required.
+    ///
+    /// The command fails if the result is of another model. Without this option, any model will do.
+    #[arg(long, value_enum, help_heading = "Forward model")]
+    pub model: Option<Family>,
+    /// Number of threads; one per core if left out.
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Output and threads",
+        value_parser = terminal::whole::<NonZeroUsize>(1..)
+    )]
+    pub threads: Option<NonZeroUsize>,
+    /// Prints facts about the image as one JSON object.
+    ///
+    /// They are energy, contrast against the ambient light, angles, distance, errors and seconds.
+    #[arg(long, help_heading = "Output and threads")]
+    pub json: bool,
+    /// File that receives the image, .exr or .png.
+    ///
+    /// An .exr is linear, in 32-bit floats. A .png has 16 bits. It is linear
+    /// if the source is, else sRGB, and names this in a chunk.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Fails if the source, the result, the table or the view cannot be used, if the table lacks a
+/// direction, or if the output cannot be written.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let inputs = [&arguments.source].into_iter();
+    let inputs = inputs
+        .chain(&arguments.table)
+        .chain(&arguments.params)
+        .chain(&arguments.view);
+    let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
+    let ending = || render::Error::Ending(arguments.output.clone());
+    let writing = Writing::of(&arguments.output).ok_or_else(ending)?;
+    let output = outputs.reserve(&arguments.output)?;
+    let table = (arguments.by_hand).table("fit render", arguments.table.as_deref())?;
+    let pool = terminal::pool(arguments.threads)?;
+
+    let started = Instant::now();
+    let source = pool.install(|| photo::load_colour(&arguments.source, arguments.transfer))?;
+    let result = arguments.result(&table, source.width)?;
+    let sheet = Fitted::new(&result, &table)?;
+    let read = started.elapsed().as_secs_f64();
+
+    let progress = Bar::of_steps();
+    let show = |part: RenderStep| progress.part(part.what, part.done, part.of);
+    let made = pool.install(|| rendered(arguments, &sheet, &source, &show));
+    progress.done();
+    let (image, mut report) = made?;
+    let rendered = started.elapsed().as_secs_f64();
+
+    report.warnings.extend(clipped(&image, writing));
+    let bytes = pool.install(|| encoded(image, writing, arguments))?;
+    output.commit(&bytes)?;
+    let written = started.elapsed().as_secs_f64();
+    terminal::warn(&report.warnings);
+    if !arguments.json {
+        return Ok(terminal::print(&report.text())?);
+    }
+    report.seconds = Some(Seconds {
+        read,
+        render: rendered - read,
+        write: written - rendered,
+    });
+    Ok(terminal::print(&output::json(&report))?)
+}
+
+impl Arguments {
+    /// Returns the result of the file that is named, or the numbers that are given, for a picture
+    /// of so many columns.
+    ///
+    /// # Errors
+    /// Fails if the file cannot be used, and returns [`Failure::Usage`] if the numbers say nothing
+    /// of diffraction or nothing says how large a pixel is.
+    fn result(&self, table: &Table, columns: usize) -> Result<ResultFile, Failure> {
+        let Some(file) = &self.params else {
+            let pitch = self.pitch_mm(columns);
+            let pitch = pitch.or(self.view.is_some().then_some(1.0));
+            let pitch = pitch.ok_or_else(|| {
+                let message = "nothing says how large the picture is; give --width, its width in \
+                    the air, mm";
+                Failure::conflict("fit render", message)
+            })?;
+            return self.by_hand.result("fit render", pitch, table);
+        };
+        let result = read_channel(file, self.channel.as_deref())?;
+        check_model(file, &result, self.model)?;
+        Ok(result)
+    }
+
+    /// Returns the place of an image that is seen from afar.
+    fn place(&self, sheet: &Fitted<'_>) -> Viewpoint {
+        Viewpoint {
+            incidence_deg: self.incidence.unwrap_or(0.0),
+            azimuth_deg: (self.azimuth).or(parse::usual_azimuth(sheet.table, sheet.result)),
+            r_mm: self.distance.unwrap_or(f64::NAN),
+        }
+    }
+
+    /// Returns the side of a pixel that the options name, mm, for a picture of so many columns.
+    fn pitch_mm(&self, columns: usize) -> Option<f64> {
+        self.pixel_pitch
+            .or(self.width.map(|width_mm| width_mm / columns as f64))
+    }
+}
+
+/// Renders the image as a camera sees it, or from afar.
+///
+/// Returns the picture that was rendered too, if it is one with fewer pixels, and the side of its
+/// pixels, mm.
+fn looked(
+    arguments: &Arguments,
+    sheet: &Fitted<'_>,
+    source: &Picture,
+    view: Option<&CameraView>,
+    progress: RenderProgress<'_>,
+) -> Result<(Rendered, Option<Picture>, f64), render::Error> {
+    let method = Method {
+        forward: arguments.forward,
+        sampling: arguments.samples.sampling(),
+        progress,
+    };
+    if let Some(view) = view {
+        let rendered = from_camera(source, sheet, view, arguments.tolerance, &method)?;
+        return Ok((rendered, None, view.pitch_mm()));
+    }
+    let pitch = arguments.pitch_mm(source.width);
+    let scale = Scale {
+        pitch_mm: pitch.unwrap_or(sheet.result.camera.pixel_pitch_mm),
+        tangential_axis_deg: arguments.tangential_axis,
+        seen_in_mirror: arguments.seen_in_mirror,
+    };
+    let place = arguments.place(sheet);
+    match arguments.width {
+        Some(_) => from_afar_reduced(source, sheet, place, &scale, &method),
+        None => {
+            let rendered = from_afar(source, sheet, place, &scale, &method)?;
+            Ok((rendered, None, scale.pitch_mm))
+        }
+    }
+}
+
+/// Renders the mid-air image of a picture, and returns it with its facts.
+///
+/// # Errors
+/// Returns [`Failure::Render`] if the view cannot be used or the table lacks a direction, and
+/// [`Failure::Predict`] if the result cannot be used with the table.
+pub(super) fn rendered(
+    arguments: &Arguments,
+    sheet: &Fitted<'_>,
+    source: &Picture,
+    progress: RenderProgress<'_>,
+) -> Result<(Picture, Report), Failure> {
+    let (result, table) = (sheet.result, sheet.table);
+    let view = arguments.view.as_deref().map(CameraView::load).transpose();
+    let view = view.map_err(render::Error::from)?;
+    let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
+    let looked = looked(arguments, sheet, source, view.as_ref(), progress)?;
+    let (rendered, reduced, pitch_mm) = looked;
+    let places: Vec<Viewpoint> = rendered.spots.iter().map(|spot| spot.place).collect();
+    let mut warnings = remarks(result, table, &places)?;
+    warnings.extend(of_image(source, &rendered, sheet));
+    warnings.extend(
+        reduced
+            .as_ref()
+            .map(|own| of_reduced(source, own, pitch_mm)),
+    );
+    let source = reduced.as_ref().unwrap_or(source);
+    let width_mm = source.width as f64 * pitch_mm;
+    warnings.extend((arguments.distance).and_then(|distance| spacious(width_mm, distance)));
+    warnings.extend(beyond_the_rim(source, &rendered));
+    let mut image = rendered.image;
+    let contrast = (ambient > 0.0).then(|| Contrast {
+        mean: image.mean_luminance() / ambient,
+        peak: image.peak_luminance() / ambient,
+    });
+    let exposure = match arguments.auto_exposure {
+        true => automatic(source, &image, ambient),
+        false => arguments.exposure,
+    };
+    image.expose(ambient, exposure);
+    let size_mm = [image.width, image.height].map(|pixels| pixels as f64 * pitch_mm);
+    let image = match arguments.beside {
+        true => image.beside(source),
+        false => image,
+    };
+
+    let spots = &rendered.spots;
+    let report = Report {
+        width: image.width,
+        height: image.height,
+        channels: image.planes.len(),
+        size_mm,
+        exposure,
+        pixel_pitch_mm: pitch_mm,
+        incidence_deg: range(spots, |spot| spot.place.incidence_deg),
+        azimuth_deg: (!table.axes.is_mean())
+            .then(|| range(spots, |spot| spot.place.azimuth_deg.unwrap_or(f64::NAN))),
+        distance_mm: range(spots, |spot| spot.place.r_mm),
+        seen_in_mirror: (view.as_ref()).map_or(arguments.seen_in_mirror, CameraView::is_in_mirror),
+        energy: (spots.iter().all(|spot| spot.energy.is_some()))
+            .then(|| range(spots, |spot| spot.energy.unwrap_or(1.0))),
+        transfer_error: rendered.transfer_error,
+        tiles: rendered.tiles,
+        sampling_error: rendered.sampling_error,
+        contrast,
+        seconds: None,
+        warnings,
+    };
+    Ok((image, report))
+}
+
+fn encoded(
+    image: Picture,
+    writing: Writing,
+    arguments: &Arguments,
+) -> Result<Vec<u8>, render::Error> {
+    let failed = |message| render::Error::Encode(arguments.output.clone(), message);
+    image.encode(writing).map_err(failed)
+}
