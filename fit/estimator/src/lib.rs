@@ -15,8 +15,11 @@
 #![forbid(unsafe_code)]
 
 pub mod compare;
+mod error;
 pub mod estimate;
 pub mod model;
 pub mod predict;
 pub mod result;
 pub mod samples;
+
+pub use error::{Conflict, Error};

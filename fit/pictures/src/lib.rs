@@ -6,8 +6,11 @@
 
 #![forbid(unsafe_code)]
 
+mod error;
 pub mod explore;
 pub mod images;
 pub mod report;
 #[cfg(test)]
 mod tests;
+
+pub use error::Error;

@@ -22,7 +22,7 @@ use crate::cli::options::parse;
 use crate::cli::{estimate, explore, mtf, output, predict, render, simulate, study};
 use edges::photographs::photo::in_memory::InMemory;
 use edges::photographs::photo::picture::Picture;
-use estimator::estimate::{OtherTable, error};
+use estimator::estimate::OtherTable;
 use estimator::predict::Fitted;
 use estimator::result::{Nominal, ResultFile};
 use pictures::images::SILENT;
@@ -34,7 +34,7 @@ impl From<Failure> for Refused {
     fn from(failure: Failure) -> Refused {
         match failure {
             Failure::Stopped => Refused::Stopped,
-            Failure::Estimate(error) if matches!(*error, error::Error::Cancelled(_)) => {
+            Failure::Estimator(error) if matches!(*error, estimator::Error::Cancelled(_)) => {
                 Refused::Stopped
             }
             Failure::Usage(usage) => usage.into(),

@@ -6,14 +6,8 @@ use edges::document::FileLine;
 use edges::names::Family;
 use edges::photographs::photo::plane::as_shown;
 use edges::photographs::{captures, edge, photo};
-use estimator::estimate::error as estimate;
-use estimator::predict::error as predict;
 #[cfg(feature = "full")]
 use lab::simulate::error as simulate;
-#[cfg(feature = "full")]
-use pictures::explore;
-#[cfg(feature = "full")]
-use pictures::images::render;
 
 /// Error that ends a verb.
 #[derive(Debug, thiserror::Error)]
@@ -28,31 +22,25 @@ pub(crate) enum Failure {
     /// Fault of the table.
     #[error(transparent)]
     Table(#[from] tables::Error),
-    /// Failure of the estimate. It is boxed because it would enlarge the results of all verbs.
+    /// Failure of the estimate or the prediction. It is boxed because it would enlarge the results
+    /// of all verbs.
     #[error(transparent)]
-    Estimate(Box<estimate::Error>),
+    Estimator(Box<estimator::Error>),
     /// Result of another model than the one that was named.
     #[error("{}: is the fit of another model; fit this one: fit estimate captures.toml --table \
     table.h5 --model {} -o result.json",
         path.display(), asked.name())]
     Model { path: PathBuf, asked: Family },
-    /// Failure of the prediction.
-    #[error(transparent)]
-    Predict(#[from] predict::Error),
     /// Verb that has moved to the Python package.
     #[error(
         "evaluate: pictures are compared in Python; pip install \"midair[evaluate]\", then \
         midair.evaluate(\"rendered.png\", \"photograph.png\")"
     )]
     Evaluate,
-    /// Failure of the mid-air image.
+    /// Failure of the mid-air image, or of the page with sliders.
     #[cfg(feature = "full")]
     #[error(transparent)]
-    Render(#[from] render::Error),
-    /// Failure of the page with sliders.
-    #[cfg(feature = "full")]
-    #[error(transparent)]
-    Explore(#[from] explore::Error),
+    Pictures(#[from] pictures::Error),
     /// Failure of the simulation.
     #[cfg(feature = "full")]
     #[error(transparent)]
@@ -149,9 +137,9 @@ pub(crate) enum Failure {
     Usage(#[from] clap::Error),
 }
 
-impl From<estimate::Error> for Failure {
-    fn from(error: estimate::Error) -> Failure {
-        Failure::Estimate(Box::new(error))
+impl From<estimator::Error> for Failure {
+    fn from(error: estimator::Error) -> Failure {
+        Failure::Estimator(Box::new(error))
     }
 }
 
@@ -170,7 +158,7 @@ impl Failure {
             Failure::Table(tables::Error::PlotExtension(_)) => 2,
             Failure::Frequency { .. } | Failure::Usage(_) => 2,
             #[cfg(feature = "full")]
-            Failure::Render(render::Error::Ending(_)) => 2,
+            Failure::Pictures(pictures::Error::Ending(_)) => 2,
             _ => 1,
         }
     }

@@ -250,7 +250,7 @@ impl Predicted {
 /// Predicts what the options ask for.
 ///
 /// # Errors
-/// Returns [`Failure::Predict`] if the table lacks a direction.
+/// Returns [`Failure::Estimator`] if the table lacks a direction.
 pub(super) fn predicted(
     arguments: &Arguments,
     result: &ResultFile,

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use tables::Table;
 
 use crate::compare::Weights;
-use crate::estimate::error::{Conflict, Error};
+use crate::error::{Conflict, Error};
 use crate::estimate::progress::Progress;
 use crate::estimate::scene::{Scene, Source};
 use crate::estimate::search::azimuth;

@@ -18,16 +18,13 @@
 //! - `mirror`, `verdict`: warnings. [`progress`]: progress and cancellation.
 
 pub mod campaign;
-pub mod error;
 pub mod progress;
 mod remarks;
 pub mod scene;
 pub mod search;
-mod trust;
+pub mod trust;
 
 pub use campaign::{Estimated, Options};
-pub use error::Conflict;
-pub use error::Error;
 pub use progress::{Progress, Step};
 pub use scene::perturbed::{Conditions, OtherIndex};
 pub use scene::reference::measure as measured_reference;

@@ -17,7 +17,7 @@ use tables::{Direction, Table};
 
 use crate::compare::Pixels;
 use crate::compare::View;
-use crate::estimate::error::Error;
+use crate::error::Error;
 use crate::estimate::progress::{Progress, Step};
 use crate::estimate::remarks;
 use crate::estimate::scene::direction::{Along, ProjectedDirection, Returned};

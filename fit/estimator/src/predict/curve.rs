@@ -4,9 +4,9 @@
 use num_complex::Complex64;
 use tables::{Direction, ShiftLine, WaveLine};
 
+use crate::error::Error;
 use crate::model::wave;
 use crate::model::{Baseline, Blur, Model};
-use crate::predict::error::Error;
 use crate::predict::sheet::Fitted;
 use edges::names::{Kernel, LobeShape};
 
@@ -26,7 +26,7 @@ impl Line {
     /// image. Returns `None` if nothing returns.
     ///
     /// # Errors
-    /// Returns [`Error::Unknown`] if the result lacks a parameter of the blur, and [`Error::Wave`]
+    /// Returns [`Error::Unknown`] if the result lacks a parameter of the blur, and [`Error::Waves`]
     /// if the `wave` kernel lacks its data.
     pub(crate) fn new(
         sheet: &Fitted<'_>,

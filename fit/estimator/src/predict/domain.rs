@@ -2,9 +2,9 @@
 
 use tables::{Symmetry, Table};
 
+use crate::error::Error;
 use crate::model::ExitBins;
 use crate::predict::curve::Line;
-use crate::predict::error::Error;
 use crate::predict::sheet::Fitted;
 use crate::result::{Domain, Parameter, ResultFile};
 use edges::names::Kernel;

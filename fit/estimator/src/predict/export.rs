@@ -11,9 +11,9 @@
 use serde_json::{Value, json};
 use tables::Table;
 
+use crate::error::Error;
 use crate::model::Baseline;
 use crate::model::Blur;
-use crate::predict::error::Error;
 use crate::predict::prediction::{Places, Prediction, predict};
 use crate::result::{Domain, ResultFile};
 use edges::names::Kernel;

@@ -5,14 +5,12 @@
 
 mod curve;
 mod domain;
-pub mod error;
 mod export;
 mod interval;
 mod prediction;
 mod sheet;
 
 pub use domain::{NEAR_MM, Viewpoint, between, remarks};
-pub use error::Error;
 pub use export::Nearest;
 pub use export::{Form, LOST, nearest};
 pub use prediction::Axis;

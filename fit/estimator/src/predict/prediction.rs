@@ -3,9 +3,9 @@
 use serde::Serialize;
 use tables::{Direction, Table};
 
+use crate::error::Error;
 use crate::predict::curve::{Curve, Derived, Line};
 use crate::predict::domain::{Viewpoint, outside};
-use crate::predict::error::Error;
 use crate::predict::interval::Uncertainty;
 use crate::predict::sheet::Fitted;
 use crate::result::ResultFile;
@@ -125,8 +125,8 @@ pub struct Around {
 ///
 /// - `Error::OtherCell` if the table is not one of the fitted cell,
 /// - `Error::Unknown` if the result has only a bound for a parameter of the blur,
-/// - `Error::Direction` if the table does not have a direction,
-/// - `Error::Wave` if the `wave` kernel lacks a wavelength or polygons.
+/// - `Error::Table` if the table does not have a direction,
+/// - `Error::Waves` if the `wave` kernel lacks a wavelength or polygons.
 pub fn predict(
     result: &ResultFile,
     table: &Table,

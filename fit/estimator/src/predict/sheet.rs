@@ -2,9 +2,9 @@
 
 use tables::{Direction, Table};
 
+use crate::error::Error;
 use crate::model::Blur;
 use crate::model::{baseline, wave};
-use crate::predict::error::Error;
 use crate::result::TableResult;
 use crate::result::{Number, Parameter, ResultFile};
 use edges::document::Bounds;

@@ -6,9 +6,9 @@ use serde::Serialize;
 
 use edges::names::Kernel;
 use edges::names::ParameterId;
+use estimator::Error;
 use estimator::estimate::Candidates;
 use estimator::estimate::Choice;
-use estimator::estimate::Error;
 use estimator::estimate::Layout;
 use estimator::estimate::Progress;
 use estimator::estimate::Scene;

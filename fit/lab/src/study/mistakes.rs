@@ -9,8 +9,9 @@ use crate::simulate::{Params, PixelNoise};
 use crate::study::trial::{campaign as manifest_of, source};
 use edges::names::{Kernel, ParameterKind};
 use edges::photographs::Campaign;
+use estimator::Error;
 use estimator::estimate::campaign::campaign;
-use estimator::estimate::{Candidates, Error, Estimated, Options, Progress, Value, Verdict};
+use estimator::estimate::{Candidates, Estimated, Options, Progress, Value, Verdict};
 
 /// Mistake that is planted in a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

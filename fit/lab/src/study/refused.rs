@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use estimator::estimate::Error;
+use estimator::Error;
 
 /// Campaigns refused for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

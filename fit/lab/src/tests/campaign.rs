@@ -14,10 +14,10 @@ use estimator::estimate::Candidates;
 use estimator::estimate::Kind;
 use estimator::estimate::Options;
 use estimator::estimate::campaign::campaign;
-use estimator::estimate::{Conflict, Error};
 use estimator::estimate::{Progress, Step};
 use estimator::samples::Sampling;
 use estimator::samples::Sequence;
+use estimator::{Conflict, Error};
 use tables::Table;
 
 const INCIDENCE: [f64; 2] = [5.0, 30.0];

@@ -11,8 +11,8 @@ use crate::study::trial;
 use edges::names::Kernel;
 use edges::names::LobeShape;
 use edges::names::ParameterKind;
+use estimator::Error;
 use estimator::estimate::Candidates;
-use estimator::estimate::Error;
 use estimator::estimate::Kind;
 use rayon::prelude::*;
 

@@ -13,9 +13,10 @@ use crate::study::{campaign as manifest_of, source as source_of};
 use edges::names::{Kernel, LobeShape};
 use edges::photographs::photo::transfer::Transfer;
 use edges::photographs::{Campaign, captures};
+use estimator::Error;
 use estimator::estimate::campaign::campaign;
 use estimator::estimate::{
-    Candidates, Error, Estimated, Kind, Options, OtherTable, Progress, Scene, Step, Verdict,
+    Candidates, Estimated, Kind, Options, OtherTable, Progress, Scene, Step, Verdict,
 };
 use tables::Table;
 

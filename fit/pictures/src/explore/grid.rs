@@ -14,6 +14,7 @@ use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
 use tables::Table;
 
+use crate::error::Error;
 use crate::explore::gaps::{self, Gaps};
 use crate::explore::lattice::{Ending, Lattice, MARGIN, Shape, kinked};
 use crate::explore::scaling::{Scaling, bend, scaling, states};
@@ -21,38 +22,8 @@ use crate::explore::span::{Fineness, Span, known};
 use crate::explore::stencil::{Ends, Nodes};
 use crate::explore::unit::{UnitSheet, shifts, tilt};
 use crate::images::{Sheet, Viewpoint};
-use estimator::predict::{Error as PredictError, Fitted};
-
-/// Reason why no page can be made.
-#[derive(Debug, thiserror::Error)]
-#[allow(
-    missing_docs,
-    reason = "the message of a variant says what its fields are"
-)]
-#[non_exhaustive]
-pub enum Error {
-    /// Blur that cannot be computed.
-    #[error(transparent)]
-    Sheet(#[from] PredictError),
-    /// Light that is spread so far that its transform fits into no page.
-    #[error(
-        "the page would need {megabytes:.0} MB, because light leaves up to {reach:.0} edge lengths \
-        from its place; give a shorter --farthest than {} mm, or a longer --nearest than {} mm",
-        distance_mm[1],
-        distance_mm[0]
-    )]
-    Large {
-        megabytes: f64,
-        reach: f64,
-        distance_mm: [f64; 2],
-    },
-    /// Table of so many polygons that a page would take many minutes.
-    #[error(
-        "the polygons of a direction of the table have {corners} corners, and pages take at most \
-        {MOST_CORNERS}; use fit render"
-    )]
-    ManyCorners { corners: usize },
-}
+use estimator::Error as PredictError;
+use estimator::predict::Fitted;
 
 /// Corners of the polygons of a direction, at most. Cells of one or two cubes have 10 to 60. The
 /// time of a page grows in proportion, to minutes.

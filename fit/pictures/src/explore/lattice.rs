@@ -6,9 +6,10 @@ use crate::explore::stencil::Nodes;
 use crate::explore::unit::{UnitSheet, shifts, tilt};
 use crate::images::{Sheet, Viewpoint};
 use edges::names::{Kernel, LobeShape};
+use estimator::Error as PredictError;
 use estimator::model::Lobe;
 use estimator::model::wave;
-use estimator::predict::{Error as PredictError, Fitted};
+use estimator::predict::Fitted;
 use estimator::result::ResultFile;
 
 /// Points of the lattice per cycle of the fastest phase. Lagrange's polynomial of six points then

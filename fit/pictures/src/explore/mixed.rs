@@ -8,8 +8,9 @@ use rayon::prelude::*;
 use rustfft::FftPlanner;
 use tables::polygon;
 
+use crate::error::Error;
 use crate::explore::gaps::Patch;
-use crate::explore::grid::{Error, Grid, UNIT};
+use crate::explore::grid::{Grid, UNIT};
 use crate::explore::lattice::{Lattice, kinked};
 use crate::explore::scaling::Scaling;
 use crate::explore::stencil::Share;
@@ -18,8 +19,9 @@ use crate::images::{Sheet, TAIL, Viewpoint};
 use edges::names::{Kernel, LobeShape};
 use edges::numerics::lagrange;
 use edges::numerics::sinc;
+use estimator::Error as PredictError;
 use estimator::model::{Baseline, Blur};
-use estimator::predict::{Error as PredictError, Fitted};
+use estimator::predict::Fitted;
 
 /// Sheet whose shift or waves are mixed from the nodes of a grid.
 #[derive(Clone, Copy)]

@@ -16,7 +16,7 @@ mod span;
 mod stencil;
 mod unit;
 
-pub use grid::Error;
+pub(crate) use grid::MOST_CORNERS;
 #[cfg(test)]
 pub(crate) use mixed::misfit_of;
 pub use page::{Explorer, Source, Start, page};

@@ -5,8 +5,9 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+use crate::error::Error;
 use crate::explore::gaps::Gaps;
-use crate::explore::grid::{Error, Grid, UNIT};
+use crate::explore::grid::{Grid, UNIT};
 use crate::explore::lattice::{Ending, Lattice, MARGIN};
 use crate::explore::mixed::{FAINT, Misfit};
 use crate::explore::scaling::Scaling;

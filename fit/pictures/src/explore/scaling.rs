@@ -6,7 +6,8 @@ use crate::explore::span::Span;
 use crate::explore::stencil::{Ends, Nodes};
 use crate::explore::unit::shifts;
 use edges::names::Kernel;
-use estimator::predict::{Error as PredictError, Fitted};
+use estimator::Error as PredictError;
+use estimator::predict::Fitted;
 use estimator::result::ResultFile;
 
 /// Number on which the OTF of a sheet with cells of 1 mm depends besides direction and frequency.

@@ -1,6 +1,7 @@
 //! Search for the coarsest grid that is fine enough.
 
-use crate::explore::grid::{Error, Grid, MOST_CORNERS, own_axes};
+use crate::error::Error;
+use crate::explore::grid::{Grid, MOST_CORNERS, own_axes};
 use crate::explore::lattice::{HIGHEST, sharpness};
 use crate::explore::mixed::{Misfit, Mixed, misfit};
 use crate::explore::scaling::Scaling;

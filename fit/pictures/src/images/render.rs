@@ -9,9 +9,8 @@ pub(crate) mod tiles;
 pub(crate) mod transform;
 pub mod view;
 
-use std::path::PathBuf;
-
-use crate::images::render::psf::{LARGEST, Psf};
+use crate::error::Error;
+use crate::images::render::psf::Psf;
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
 use crate::images::render::view::{CameraView, PixelView};
@@ -20,61 +19,6 @@ use rayon::prelude::*;
 use crate::images::progress::{Pieces, RenderProgress};
 use crate::images::spot::{Sheet, Viewpoint};
 use edges::photographs::photo::picture::Picture;
-
-/// Reason why an image cannot be made.
-#[derive(Debug, thiserror::Error)]
-#[allow(
-    missing_docs,
-    reason = "the message of a variant says what its fields are"
-)]
-#[non_exhaustive]
-pub enum Error {
-    /// Output file that ends neither in .exr nor in .png.
-    #[error("{}: an image is written as .exr or .png; give one of these endings", .0.display())]
-    Ending(PathBuf),
-    /// Image that the encoder cannot write, and its message.
-    #[error("{}: the image could not be encoded ({}); try the other of .exr and .png",
-        .0.display(), .1)]
-    Encode(PathBuf, String),
-    /// Sheet without a blur at this place.
-    #[error(transparent)]
-    Sheet(#[from] estimator::predict::Error),
-    /// Blur that reaches too many pixels.
-    #[error(
-        "the blur at incidence {incidence_deg} deg, distance {r_mm} mm is {size} pixels wide, and \
-        at most {LARGEST} are computed; give the size of the picture as --width, mm, so that it \
-        gets fewer pixels (which loses nothing under such a blur), or a larger one"
-    )]
-    Wide {
-        incidence_deg: f64,
-        r_mm: f64,
-        size: usize,
-    },
-    /// View file that cannot be read.
-    #[error(transparent)]
-    CameraView(#[from] edges::document::Error),
-    /// Camera that is behind the sheet, at a column and row from the middle of the picture.
-    #[error("{}: the camera sees the back of the sheet at pixel ({:.0}, {:.0}); turn `normal` of \
-        [sheet] towards the camera", .0.display(), .1[0], .1[1])]
-    Back(PathBuf, [f64; 2]),
-    /// Sheet in front of the image, at a column and row from the middle of the picture.
-    #[error("{}: at pixel ({:.0}, {:.0}) the sheet is not behind the image; move `position_mm` of \
-        [sheet] away from the camera", .0.display(), .1[0], .1[1])]
-    Before(PathBuf, [f64; 2]),
-    /// Camera in the plane of the image.
-    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] in front \
-        of the image", .0.display())]
-    Edge(PathBuf),
-    /// Model without samples: only its OTF is known.
-    #[error(
-        "the model of this result has no samples: --forward render works only with the kernels \
-        eq1, angular, shift and lobe; use --forward spectral"
-    )]
-    NoSamples,
-    /// Pixel, by column and row, whose blur cannot be computed.
-    #[error("at pixel ({:.0}, {:.0}) of the view: {}", .0[0], .0[1], .1)]
-    Pixel([f64; 2], Box<Error>),
-}
 
 /// Scale and orientation of a picture in the mid-air image.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,7 +6,7 @@
 
 use num_complex::Complex64;
 
-use estimator::predict::Error;
+use estimator::Error;
 pub use estimator::predict::Viewpoint;
 use estimator::samples::DIMENSIONS;
 

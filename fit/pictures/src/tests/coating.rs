@@ -7,7 +7,7 @@ use crate::images::viewed;
 use crate::images::{SILENT, Sheet, Spot, Viewpoint};
 use edges::photographs::photo::picture::Picture;
 use edges::photographs::photo::transfer::Transfer;
-use estimator::predict::Error;
+use estimator::Error;
 use estimator::samples::Sampling;
 use estimator::samples::Sequence;
 use nalgebra::Vector3;

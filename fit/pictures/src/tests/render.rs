@@ -14,7 +14,7 @@ use edges::names::Kernel;
 use edges::names::LobeShape;
 use edges::photographs::photo::picture::{Picture, Writing};
 use edges::photographs::photo::transfer::Transfer;
-use estimator::predict::Error;
+use estimator::Error;
 use estimator::predict::Fitted;
 use estimator::result::ResultFile;
 use estimator::result::TableResult;
@@ -324,7 +324,7 @@ fn tiles_meet_every_pixels_own_weights() {
     let size = [48, 30];
     let source = picture(size[0], size[1], 0);
     // Both the width and the energy change across the picture.
-    let at = |[x, y]: [f64; 2]| -> Result<Psf, render::Error> {
+    let at = |[x, y]: [f64; 2]| -> Result<Psf, crate::Error> {
         Psf::new(&Squares, &place(3.0 + 0.05 * x, 0.01 * y), PIXELS)
     };
     let tolerance = 0.01;
@@ -366,7 +366,7 @@ fn tiles_of_one_blur_in_linear_light_are_exact() {
         let across = corners[k] + (corners[k + 1] - corners[k]) * (at - k as f64);
         across * (0.4 + 0.6 * (y + 0.5) / size[1] as f64)
     };
-    let at = |place: [f64; 2]| -> Result<Psf, render::Error> {
+    let at = |place: [f64; 2]| -> Result<Psf, crate::Error> {
         let energy = Some(light(place));
         Ok(Psf {
             energy,

@@ -32,7 +32,6 @@ use estimator::estimate::Kind;
 use estimator::estimate::OtherTable;
 use estimator::estimate::Progress;
 use estimator::estimate::campaign::campaign;
-use estimator::estimate::error;
 use estimator::estimate::scene::Source;
 use estimator::estimate::{Estimated, Options};
 use estimator::result::ResultFile;
@@ -345,7 +344,7 @@ impl Estimation {
 /// Makes the estimate that another program calls. Nothing is printed or written.
 ///
 /// # Errors
-/// Fails as [`run`] does, and with [`error::Error::Cancelled`] if the caller stopped it.
+/// Fails as [`run`] does, and with [`estimator::Error::Cancelled`] if the caller stopped it.
 pub(super) fn called(
     arguments: &Arguments,
     inputs: Inputs,
@@ -434,7 +433,7 @@ impl Job<'_> {
         let table = self.table;
         let estimated = campaign(self.campaign, photo, table, options, progress);
         let estimated = estimated.map_err(|error| match error {
-            error::Error::OneAzimuth(held) => Failure::OneAzimuth {
+            estimator::Error::OneAzimuth(held) => Failure::OneAzimuth {
                 table: self.arguments.first_table().to_owned(),
                 held,
             },

@@ -70,7 +70,7 @@ pub(super) fn from_afar(
     place: Viewpoint,
     scale: &Scale,
     method: &Method<'_>,
-) -> Result<Rendered, render::Error> {
+) -> Result<Rendered, pictures::Error> {
     Ok(match method.forward {
         Forward::Spectral => {
             let psf = render::uniform_psf(sheet, &place, scale)?;
@@ -99,7 +99,7 @@ pub(super) fn from_afar_reduced(
     place: Viewpoint,
     scale: &Scale,
     method: &Method<'_>,
-) -> Result<(Rendered, Option<Picture>, f64), render::Error> {
+) -> Result<(Rendered, Option<Picture>, f64), pictures::Error> {
     let longer = source.width.max(source.height);
     let mut factor = 1;
     loop {
@@ -110,7 +110,7 @@ pub(super) fn from_afar_reduced(
         };
         let picture = reduced.as_ref().unwrap_or(source);
         let rendered = from_afar(picture, sheet, place, &scale, method);
-        let Err(render::Error::Wide { size, .. }) = rendered else {
+        let Err(pictures::Error::Wide { size, .. }) = rendered else {
             return Ok((rendered?, reduced, scale.pitch_mm));
         };
         factor = (factor + 1).max(factor.saturating_mul(size) / LARGEST);
@@ -129,7 +129,7 @@ pub(super) fn from_camera(
     view: &CameraView,
     tolerance: f64,
     method: &Method<'_>,
-) -> Result<Rendered, render::Error> {
+) -> Result<Rendered, pictures::Error> {
     let (half_mirror, progress) = (sheet.result.half_mirror, method.progress);
     Ok(match method.forward {
         Forward::Spectral => {

@@ -29,7 +29,6 @@ use edges::photographs::photo::transfer::Transfer;
 use estimator::estimate::Forward;
 use estimator::predict::{Fitted, remarks};
 use estimator::result::ResultFile;
-use pictures::images::render;
 use pictures::images::render::view::CameraView;
 use pictures::images::{RenderProgress, RenderStep, Scale, Viewpoint, automatic};
 
@@ -283,7 +282,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .chain(&arguments.params)
         .chain(&arguments.view);
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
-    let ending = || render::Error::Ending(arguments.output.clone());
+    let ending = || pictures::Error::Ending(arguments.output.clone());
     let writing = Writing::of(&arguments.output).ok_or_else(ending)?;
     let output = outputs.reserve(&arguments.output)?;
     let table = (arguments.by_hand).table("fit render", arguments.table.as_deref())?;
@@ -367,7 +366,7 @@ fn looked(
     source: &Picture,
     view: Option<&CameraView>,
     progress: RenderProgress<'_>,
-) -> Result<(Rendered, Option<Picture>, f64), render::Error> {
+) -> Result<(Rendered, Option<Picture>, f64), pictures::Error> {
     let method = Method {
         forward: arguments.forward,
         sampling: arguments.samples.sampling(),
@@ -396,8 +395,8 @@ fn looked(
 /// Renders the mid-air image of a picture, and returns it with its facts.
 ///
 /// # Errors
-/// Returns [`Failure::Render`] if the view cannot be used or the table lacks a direction, and
-/// [`Failure::Predict`] if the result cannot be used with the table.
+/// Returns [`Failure::Pictures`] if the view cannot be used or the table lacks a direction, and
+/// [`Failure::Estimator`] if the result cannot be used with the table.
 pub(super) fn rendered(
     arguments: &Arguments,
     sheet: &Fitted<'_>,
@@ -406,7 +405,7 @@ pub(super) fn rendered(
 ) -> Result<(Picture, Report), Failure> {
     let (result, table) = (sheet.result, sheet.table);
     let view = arguments.view.as_deref().map(CameraView::load).transpose();
-    let view = view.map_err(render::Error::from)?;
+    let view = view.map_err(pictures::Error::from)?;
     let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
     let looked = looked(arguments, sheet, source, view.as_ref(), progress)?;
     let (rendered, reduced, pitch_mm) = looked;
@@ -467,7 +466,7 @@ fn encoded(
     image: Picture,
     writing: Writing,
     arguments: &Arguments,
-) -> Result<Vec<u8>, render::Error> {
-    let failed = |message| render::Error::Encode(arguments.output.clone(), message);
+) -> Result<Vec<u8>, pictures::Error> {
+    let failed = |message| pictures::Error::Encode(arguments.output.clone(), message);
     image.encode(writing).map_err(failed)
 }

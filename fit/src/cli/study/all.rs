@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::cli::failure::Failure;
 use crate::cli::host::Host;
-use estimator::estimate::Error;
+use estimator::Error;
 use lab::study::{Refused, refused};
 
 /// Runs all campaigns in parallel. Returns their trials, and the refused campaigns by reason.

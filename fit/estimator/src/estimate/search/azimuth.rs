@@ -10,7 +10,7 @@
 use nalgebra::DMatrix;
 use tables::Table;
 
-use crate::estimate::error::Error;
+use crate::error::Error;
 use crate::estimate::progress::{Progress, Step};
 use crate::estimate::scene::Scene;
 use crate::estimate::search::fitted::estimate;

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use tables::Table;
 
 use crate::compare::Weights;
-use crate::estimate::error::Error;
+use crate::error::Error;
 use crate::estimate::progress::{Progress, Step};
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::search::compared::{Compared, compare};

@@ -15,7 +15,7 @@ use std::path::Path;
 use nalgebra::{DMatrix, DVector};
 use tables::Table;
 
-use crate::estimate::error::{Conflict, Error};
+use crate::error::{Conflict, Error};
 use crate::estimate::progress::{Progress, Step};
 use crate::estimate::scene::Scene;
 use crate::estimate::search::fitted::{Estimate, estimate};

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 
-use crate::images::render::Error;
+use crate::error::Error;
 use crate::images::spot::{Sheet, Viewpoint};
 use edges::numerics::sinc;
 use edges::numerics::smooth_odd;

@@ -8,13 +8,14 @@
 
 use rayon::prelude::*;
 
+use crate::error::Error;
 use crate::images::progress::{Pieces, RenderProgress};
 use crate::images::render::view;
 use crate::images::render::view::CameraView;
-use crate::images::render::{Error, Scale, bilinear, coat, seen_by};
+use crate::images::render::{Scale, bilinear, coat, seen_by};
 use crate::images::spot::{Sheet, Spot, Viewpoint};
 use edges::photographs::photo::picture::Picture;
-use estimator::predict::Error as Unshown;
+use estimator::Error as Unshown;
 use estimator::samples::Points;
 use estimator::samples::Sampling;
 

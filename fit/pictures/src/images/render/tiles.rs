@@ -11,8 +11,8 @@
 
 use rayon::prelude::*;
 
+use crate::error::Error;
 use crate::images::progress::{Pieces, RenderProgress};
-use crate::images::render::Error;
 use crate::images::render::psf::Psf;
 use crate::images::render::transform::Convolver;
 

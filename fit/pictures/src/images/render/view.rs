@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::images::render::Error;
+use crate::error::Error;
 use crate::images::spot::Viewpoint;
 use edges::document::{self, Bounds, Document, Table, not_negative, positive};
 

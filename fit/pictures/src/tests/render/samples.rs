@@ -8,7 +8,7 @@ use crate::images::{SILENT, Sampler, Sheet, Spot, Viewpoint};
 use edges::names::Kernel;
 use edges::names::LobeShape;
 use edges::photographs::photo::picture::Picture;
-use estimator::predict::Error;
+use estimator::Error;
 use estimator::predict::Fitted;
 use estimator::samples::Sampling;
 use estimator::samples::Sequence;

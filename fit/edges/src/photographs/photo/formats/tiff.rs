@@ -28,7 +28,7 @@ fn unread<T>(what: impl Into<String>) -> Result<T, Fault> {
 }
 
 /// Reads the picture of a TIFF: its first page that is neither a smaller copy nor a mask.
-pub(super) fn read(file: BufReader<File>) -> Result<Decoded, Fault> {
+pub(in crate::photographs::photo) fn read(file: BufReader<File>) -> Result<Decoded, Fault> {
     let (mut tiff, first) = Tiff::open(file).or_else(|error| damaged(error.to_string()))?;
     let (directory, mut warnings) = tiff.picture(first)?;
     let page = Page::new(&mut tiff, &directory)?;

@@ -1,14 +1,19 @@
-//! Reasons why a campaign has no estimate.
+//! Reasons why a campaign has no estimate, and a result no prediction.
 
 use std::path::PathBuf;
 
 use crate::estimate::progress::Cancelled;
 use crate::model::wave;
+use edges::names::ParameterKind;
 use edges::photographs::captures;
 use edges::photographs::edge::fault::Fault;
 
-/// Reason why an estimate failed.
+/// Reason why an estimate or a prediction failed.
 #[derive(Debug, thiserror::Error)]
+#[allow(
+    missing_docs,
+    reason = "the message of a variant says what its fields are"
+)]
 #[non_exhaustive]
 pub enum Error {
     /// Manifest or photograph that cannot be read.
@@ -69,6 +74,41 @@ pub enum Error {
     /// No candidate left.
     #[error("no kernel or no lobe shape is left to try; name at least one of each")]
     NothingOpen,
+    /// Parameter without a value: the photographs give only a bound.
+    #[error(
+        "the result gives no number for {} (the photographs give at most a bound); fit with a \
+        --kernel without it, or add photographs",
+        parameter.name()
+    )]
+    Unknown { parameter: ParameterKind },
+    /// Number of a result that no sheet and no camera has.
+    #[error(
+        "the result says that {what} is {value}, but it must be {must_be}; estimate again, or \
+        correct the file"
+    )]
+    Number {
+        what: &'static str,
+        value: f64,
+        must_be: &'static str,
+    },
+    /// Table of another cell than the one that was fitted.
+    #[error(
+        "the result was fitted with a table of another cell ({fitted}) than this one ({given}), \
+        with another {differs}; give a table of the fitted cell, or fit again"
+    )]
+    OtherCell {
+        fitted: String,
+        given: String,
+        differs: String,
+    },
+    /// Incidence at which nothing is retroreflected.
+    #[error(
+        "nothing is retroreflected at incidence {incidence_deg} deg; name a smaller --incidence"
+    )]
+    Dark { incidence_deg: f64 },
+    /// Data that the `wave` kernel needs and lacks: a wavelength, or polygons of corner cubes.
+    #[error(transparent)]
+    Waves(#[from] wave::Fault),
     /// Estimate stopped by its caller.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
