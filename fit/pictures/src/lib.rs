@@ -2,12 +2,14 @@
 //!
 //! - [`images`]: pictures through a sheet.
 //! - [`explore`]: one page that computes mid-air images in a browser.
+//! - [`export`]: the nearest lobe of a sheet for other renderers.
 //! - [`report`]: plots and the page of an estimate.
 
 #![forbid(unsafe_code)]
 
 mod error;
 pub mod explore;
+pub mod export;
 pub mod images;
 pub mod report;
 #[cfg(test)]

@@ -8,7 +8,8 @@ use tables::Outputs;
 use crate::cli::estimate::read_result;
 use crate::cli::failure::Failure;
 use crate::cli::options::parse;
-use estimator::predict::{Form, LOST, Viewpoint, nearest, remarks};
+use estimator::predict::{Viewpoint, remarks};
+use pictures::export::{Form, LOST, nearest};
 
 /// Writes the lobe that is nearest to a fitted sheet, as a material for renderers.
 #[derive(Debug, clap::Args)]

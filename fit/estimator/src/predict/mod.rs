@@ -1,18 +1,14 @@
 //! Prediction of what a fitted sheet shows at other distances and directions.
 //!
-//! A result and a table of its cell enter. MTF curves and luminances leave, or the nearest lobe for
-//! renderers.
+//! A result and a table of its cell enter. MTF curves and luminances leave.
 
 mod curve;
 mod domain;
-mod export;
 mod interval;
 mod prediction;
 mod sheet;
 
 pub use domain::{NEAR_MM, Viewpoint, between, remarks};
-pub use export::Nearest;
-pub use export::{Form, LOST, nearest};
 pub use prediction::Axis;
 pub use prediction::{Around, around};
 pub use prediction::{Places, Prediction, predict};

@@ -2,11 +2,11 @@
 //! is found again if it describes the sheet, else it is the nearest one; it is written in three
 //! forms.
 
+use crate::export::{Form, Nearest, nearest};
 use crate::report::Variable;
 use crate::report::plot;
 use edges::names::Kernel;
 use edges::names::LobeShape;
-use estimator::predict::{Form, Nearest, nearest};
 use estimator::predict::{Places, around, predict};
 use estimator::result::ResultFile;
 use estimator::result::TableResult;

@@ -11,14 +11,13 @@
 use serde_json::{Value, json};
 use tables::Table;
 
-use crate::error::Error;
-use crate::model::Baseline;
-use crate::model::Blur;
-use crate::predict::prediction::{Places, Prediction, predict};
-use crate::result::{Domain, ResultFile};
 use edges::names::Kernel;
 use edges::names::LobeShape;
 use edges::names::ParameterKind;
+use estimator::Error;
+use estimator::model::{Baseline, Blur};
+use estimator::predict::{Places, Prediction, predict};
+use estimator::result::{Domain, ResultFile};
 
 /// File form of a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
