@@ -1,7 +1,7 @@
 //! Functions under fuzzing: each gives some bytes to one reader of the project.
 //!
 //! The reader must return a value or an error. The fuzz targets call these functions with random
-//! bytes. `tests/tests/all/corpus.rs` calls them with the files of `fuzz/corpus`.
+//! bytes. `tests/tests/all/files/corpus.rs` calls them with the files of `fuzz/corpus`.
 
 #![allow(
     unreachable_pub,

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use tests::files::project;
 
-#[path = "../../../fuzz/src/lib.rs"]
+#[path = "../../../../fuzz/src/lib.rs"]
 mod fuzz;
 
 /// Greatest time for one file.

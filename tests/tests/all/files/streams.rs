@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use tests::program::fresh;
 
-use crate::kills::cases;
+use crate::files::kills::cases;
 
 /// Commands that write nothing or fail, beside those of [`cases`].
 const OTHERS: [&str; 15] = [

@@ -1,0 +1,10 @@
+//! Tables, from a mesh to what a fit takes from them.
+
+mod determinism;
+mod deviations;
+mod elements;
+mod expected_table;
+mod front;
+mod rough;
+mod sheets;
+mod wave;

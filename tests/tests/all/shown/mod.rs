@@ -1,0 +1,4 @@
+//! Pages that a browser shows.
+
+mod explore;
+mod report_page;
