@@ -202,7 +202,9 @@ pub fn render(
         .map_err(Failure::from)?;
     let sheet = Fitted::new(result, table).map_err(Failure::from)?;
     let pool = terminal::pool(arguments.threads).map_err(Failure::from)?;
-    let (image, facts) = pool.install(|| render::rendered(&arguments, &sheet, &source, SILENT))?;
+    let wanted = arguments.wanted(&sheet, source.width)?;
+    let made = pool.install(|| wanted.image(&sheet, &source, SILENT));
+    let (image, facts) = made.map_err(Failure::from)?;
     Ok((image, output::json(&facts)))
 }
 

@@ -13,13 +13,13 @@ use crate::cli::options::by_hand::Numbers;
 use crate::cli::options::parse;
 use crate::cli::output;
 use crate::cli::progress::Bar;
-use crate::cli::render::spacious;
 use edges::photographs::photo;
 use edges::photographs::photo::picture::Picture;
 use edges::photographs::photo::transfer::Transfer;
 use estimator::predict::{Fitted, NEAR_MM};
 use estimator::result::ResultFile;
 use pictures::explore::{self, Explorer, Source, Span, Start};
+use pictures::images::mid_air::spacious;
 
 /// Writes a page in which you move sliders and see the mid-air image at once.
 #[derive(Debug, clap::Args)]

@@ -2,14 +2,14 @@
 //!
 //! A picture, a result and a table enter. A rendered picture leaves.
 
-mod exposure;
+pub(crate) mod exposure;
+pub mod mid_air;
 mod plane;
 mod progress;
 pub mod render;
 mod sheet;
 mod spot;
 
-pub use exposure::automatic;
 pub use progress::{RenderProgress, RenderStep, SILENT};
 pub use render::Scale;
 #[cfg(test)]

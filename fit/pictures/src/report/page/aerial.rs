@@ -5,8 +5,9 @@ use base64::engine::general_purpose::STANDARD;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageFormat, Rgb, RgbImage};
 
+use crate::images::exposure::automatic;
 use crate::images::render::{uniform, uniform_psf};
-use crate::images::{SILENT, Scale, Viewpoint, automatic};
+use crate::images::{SILENT, Scale, Viewpoint};
 use crate::report::page::markup::significant;
 use crate::report::page::shown::Page;
 use charts::escape;

@@ -1,16 +1,17 @@
-//! The image of a picture as `fit render` makes it, from afar or as a camera sees it.
+//! The image of a picture, from afar or as a camera sees it, before exposure.
 
-use crate::cli::render::facts::TileReport;
+use crate::error::Error;
+use crate::images::mid_air::facts::TileFacts;
+use crate::images::render;
+use crate::images::render::psf::{LARGEST, Psf};
+use crate::images::render::sampled;
+use crate::images::render::sampled::Spotted;
+use crate::images::render::view::CameraView;
+use crate::images::{RenderProgress, Scale, Viewpoint};
 use edges::photographs::photo::picture::Picture;
 use estimator::estimate::Forward;
 use estimator::predict::Fitted;
 use estimator::samples::Sampling;
-use pictures::images::render;
-use pictures::images::render::psf::{LARGEST, Psf};
-use pictures::images::render::sampled;
-use pictures::images::render::sampled::Spotted;
-use pictures::images::render::view::CameraView;
-use pictures::images::{RenderProgress, Scale, Viewpoint};
 
 /// How an image is made.
 pub(super) struct Method<'a> {
@@ -31,7 +32,7 @@ pub(super) struct Rendered {
     /// Largest error of the contrast of single pixels, because of a blur finer than they are.
     pub transfer_error: f64,
     /// Tiles of a view.
-    pub tiles: Option<TileReport>,
+    pub tiles: Option<TileFacts>,
     /// Standard error of a pixel of a render by samples.
     pub sampling_error: Option<f64>,
 }
@@ -70,7 +71,7 @@ pub(super) fn from_afar(
     place: Viewpoint,
     scale: &Scale,
     method: &Method<'_>,
-) -> Result<Rendered, pictures::Error> {
+) -> Result<Rendered, Error> {
     Ok(match method.forward {
         Forward::Spectral => {
             let psf = render::uniform_psf(sheet, &place, scale)?;
@@ -99,7 +100,7 @@ pub(super) fn from_afar_reduced(
     place: Viewpoint,
     scale: &Scale,
     method: &Method<'_>,
-) -> Result<(Rendered, Option<Picture>, f64), pictures::Error> {
+) -> Result<(Rendered, Option<Picture>, f64), Error> {
     let longer = source.width.max(source.height);
     let mut factor = 1;
     loop {
@@ -110,7 +111,7 @@ pub(super) fn from_afar_reduced(
         };
         let picture = reduced.as_ref().unwrap_or(source);
         let rendered = from_afar(picture, sheet, place, &scale, method);
-        let Err(pictures::Error::Wide { size, .. }) = rendered else {
+        let Err(Error::Wide { size, .. }) = rendered else {
             return Ok((rendered?, reduced, scale.pitch_mm));
         };
         factor = (factor + 1).max(factor.saturating_mul(size) / LARGEST);
@@ -129,7 +130,7 @@ pub(super) fn from_camera(
     view: &CameraView,
     tolerance: f64,
     method: &Method<'_>,
-) -> Result<Rendered, pictures::Error> {
+) -> Result<Rendered, Error> {
     let (half_mirror, progress) = (sheet.result.half_mirror, method.progress);
     Ok(match method.forward {
         Forward::Spectral => {
@@ -142,7 +143,7 @@ pub(super) fn from_camera(
             });
             let places = places.collect::<Result<_, _>>()?;
             Rendered {
-                tiles: Some(TileReport {
+                tiles: Some(TileFacts {
                     counts: tiles.counts(),
                     error: tiles.error,
                 }),

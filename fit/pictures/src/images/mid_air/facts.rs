@@ -1,47 +1,55 @@
-//! Facts about an image that `fit render` made.
+//! Facts about a mid-air image.
 
 use serde::Serialize;
 
 /// Least and greatest value over the image.
-pub(super) type Range = [f64; 2];
+pub(crate) type Range = [f64; 2];
 
 /// Facts about an image.
-#[derive(Serialize)]
-pub(crate) struct Report {
-    pub(super) width: usize,
-    pub(super) height: usize,
-    pub(super) channels: usize,
+#[derive(Debug, Clone, Serialize)]
+pub struct Facts {
+    /// Columns of the picture.
+    pub width: usize,
+    /// Rows of the picture.
+    pub height: usize,
+    /// Planes of colour.
+    pub channels: usize,
     /// Width and height of the mid-air image, mm.
-    pub(super) size_mm: [f64; 2],
+    pub size_mm: [f64; 2],
     /// Factor on the light.
-    pub(super) exposure: f64,
-    pub(super) pixel_pitch_mm: f64,
-    pub(super) incidence_deg: Range,
-    pub(super) azimuth_deg: Option<Range>,
-    pub(super) distance_mm: Range,
+    pub exposure: f64,
+    /// Side of a pixel in the air, mm.
+    pub pixel_pitch_mm: f64,
+    /// Incidence, degrees, least and greatest over the image.
+    pub incidence_deg: Range,
+    /// Azimuth, degrees; `None` for a table that is a mean over azimuths.
+    pub azimuth_deg: Option<Range>,
+    /// Optical path from the sheet to the image, mm.
+    pub distance_mm: Range,
     /// True if the sheet is seen in the half mirror.
-    pub(super) seen_in_mirror: bool,
+    pub seen_in_mirror: bool,
     /// Luminance relative to the source; null without mu.
-    pub(super) energy: Option<Range>,
+    pub energy: Option<Range>,
     /// Largest error of the contrast by the frequencies that were left out.
-    pub(super) transfer_error: f64,
+    pub transfer_error: f64,
     /// Number of tiles and largest error between their corners; null without a view.
-    pub(super) tiles: Option<TileReport>,
+    pub tiles: Option<TileFacts>,
     /// Standard error by the samples, root mean square over the image, before exposure; null
     /// without samples.
-    pub(super) sampling_error: Option<f64>,
+    pub sampling_error: Option<f64>,
     /// Mean and greatest luminance of the mid-air image, relative to the ambient light; null
     /// without ambient light.
-    pub(super) contrast: Option<Contrast>,
+    pub contrast: Option<Contrast>,
     /// Absent where the program did not read and write the pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) seconds: Option<Seconds>,
-    pub(super) warnings: Vec<String>,
+    pub seconds: Option<Seconds>,
+    /// Warnings.
+    pub warnings: Vec<String>,
 }
 
-impl Report {
+impl Facts {
     /// Returns size, place, luminance and exposure of the image, for a reader.
-    pub(super) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let [width, height] = self.size_mm;
         let span = |[low, high]: Range, digits: usize| match format!("{low:.digits$}") {
             low if low == format!("{high:.digits$}") => low,
@@ -60,23 +68,33 @@ impl Report {
     }
 }
 
-#[derive(Serialize)]
-pub(super) struct TileReport {
-    pub(super) counts: [usize; 2],
-    pub(super) error: f64,
+/// Tiles of a view.
+#[derive(Debug, Clone, Serialize)]
+pub struct TileFacts {
+    /// Number of tiles along columns and rows.
+    pub counts: [usize; 2],
+    /// Largest error between their corners, as a share of the brightest pixel.
+    pub error: f64,
 }
 
-#[derive(Serialize)]
-pub(super) struct Contrast {
-    pub(super) mean: f64,
-    pub(super) peak: f64,
+/// Luminance of the image, relative to the ambient light.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Contrast {
+    /// Mean over the image.
+    pub mean: f64,
+    /// Brightest pixel.
+    pub peak: f64,
 }
 
-#[derive(Serialize)]
-pub(super) struct Seconds {
-    pub(super) read: f64,
-    pub(super) render: f64,
-    pub(super) write: f64,
+/// Times, seconds.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Seconds {
+    /// Reading of the inputs.
+    pub read: f64,
+    /// The render.
+    pub render: f64,
+    /// Writing of the image.
+    pub write: f64,
 }
 
 /// Returns the least and the greatest value over all items.

@@ -1,9 +1,5 @@
 //! `fit render`: makes the mid-air image of any picture.
 
-mod facts;
-mod image;
-mod remarks;
-
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -18,19 +14,16 @@ use crate::cli::options::parse;
 use crate::cli::options::sampled::Samples;
 use crate::cli::output;
 use crate::cli::progress::Bar;
-use crate::cli::render::facts::{Contrast, Report, Seconds, range};
-use crate::cli::render::image::{Method, Rendered, from_afar, from_afar_reduced, from_camera};
-pub(crate) use crate::cli::render::remarks::spacious;
-use crate::cli::render::remarks::{beyond_the_rim, clipped, of_image, of_reduced};
 use edges::names::Family;
 use edges::photographs::photo;
 use edges::photographs::photo::picture::{Picture, Writing};
 use edges::photographs::photo::transfer::Transfer;
 use estimator::estimate::Forward;
-use estimator::predict::{Fitted, remarks};
+use estimator::predict::Fitted;
 use estimator::result::ResultFile;
+use pictures::images::mid_air::{Exposure, Look, MidAir, Seconds, clipped};
 use pictures::images::render::view::CameraView;
-use pictures::images::{RenderProgress, RenderStep, Scale, Viewpoint, automatic};
+use pictures::images::{RenderStep, Scale, Viewpoint};
 
 /// Renders the mid-air image of a picture: blurred and dimmed by the fitted sheet.
 #[derive(Debug, clap::Args)]
@@ -296,25 +289,26 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
     let progress = Bar::of_steps();
     let show = |part: RenderStep| progress.part(part.what, part.done, part.of);
-    let made = pool.install(|| rendered(arguments, &sheet, &source, &show));
+    let wanted = arguments.wanted(&sheet, source.width)?;
+    let made = pool.install(|| wanted.image(&sheet, &source, &show));
     progress.done();
-    let (image, mut report) = made?;
+    let (image, mut facts) = made?;
     let rendered = started.elapsed().as_secs_f64();
 
-    report.warnings.extend(clipped(&image, writing));
+    facts.warnings.extend(clipped(&image, writing));
     let bytes = pool.install(|| encoded(image, writing, arguments))?;
     output.commit(&bytes)?;
     let written = started.elapsed().as_secs_f64();
-    terminal::warn(&report.warnings);
+    terminal::warn(&facts.warnings);
     if !arguments.json {
-        return Ok(terminal::print(&report.text())?);
+        return Ok(terminal::print(&facts.text())?);
     }
-    report.seconds = Some(Seconds {
+    facts.seconds = Some(Seconds {
         read,
         render: rendered - read,
         write: written - rendered,
     });
-    Ok(terminal::print(&output::json(&report))?)
+    Ok(terminal::print(&output::json(&facts))?)
 }
 
 impl Arguments {
@@ -340,13 +334,42 @@ impl Arguments {
         Ok(result)
     }
 
-    /// Returns the place of an image that is seen from afar.
-    fn place(&self, sheet: &Fitted<'_>) -> Viewpoint {
-        Viewpoint {
-            incidence_deg: self.incidence.unwrap_or(0.0),
-            azimuth_deg: (self.azimuth).or(parse::usual_azimuth(sheet.table, sheet.result)),
-            r_mm: self.distance.unwrap_or(f64::NAN),
-        }
+    /// Returns what the options ask for, for a picture of so many columns.
+    ///
+    /// # Errors
+    /// Fails if the file of the view cannot be used.
+    pub(super) fn wanted(&self, sheet: &Fitted<'_>, columns: usize) -> Result<MidAir, Failure> {
+        let look = match &self.view {
+            Some(view) => Look::Camera {
+                view: CameraView::load(view).map_err(pictures::Error::from)?,
+                tolerance: self.tolerance,
+            },
+            None => Look::Afar {
+                place: Viewpoint {
+                    incidence_deg: self.incidence.unwrap_or(0.0),
+                    azimuth_deg: (self.azimuth).or(parse::usual_azimuth(sheet.table, sheet.result)),
+                    r_mm: self.distance.unwrap_or(f64::NAN),
+                },
+                scale: Scale {
+                    pitch_mm: (self.pitch_mm(columns))
+                        .unwrap_or(sheet.result.camera.pixel_pitch_mm),
+                    tangential_axis_deg: self.tangential_axis,
+                    seen_in_mirror: self.seen_in_mirror,
+                },
+                may_reduce: self.width.is_some(),
+            },
+        };
+        Ok(MidAir {
+            look,
+            forward: self.forward,
+            sampling: self.samples.sampling(),
+            ambient: self.ambient,
+            exposure: match self.auto_exposure {
+                true => Exposure::Automatic,
+                false => Exposure::Factor(self.exposure),
+            },
+            beside: self.beside,
+        })
     }
 
     /// Returns the side of a pixel that the options name, mm, for a picture of so many columns.
@@ -354,112 +377,6 @@ impl Arguments {
         self.pixel_pitch
             .or(self.width.map(|width_mm| width_mm / columns as f64))
     }
-}
-
-/// Renders the image as a camera sees it, or from afar.
-///
-/// Returns the picture that was rendered too, if it is one with fewer pixels, and the side of its
-/// pixels, mm.
-fn looked(
-    arguments: &Arguments,
-    sheet: &Fitted<'_>,
-    source: &Picture,
-    view: Option<&CameraView>,
-    progress: RenderProgress<'_>,
-) -> Result<(Rendered, Option<Picture>, f64), pictures::Error> {
-    let method = Method {
-        forward: arguments.forward,
-        sampling: arguments.samples.sampling(),
-        progress,
-    };
-    if let Some(view) = view {
-        let rendered = from_camera(source, sheet, view, arguments.tolerance, &method)?;
-        return Ok((rendered, None, view.pitch_mm()));
-    }
-    let pitch = arguments.pitch_mm(source.width);
-    let scale = Scale {
-        pitch_mm: pitch.unwrap_or(sheet.result.camera.pixel_pitch_mm),
-        tangential_axis_deg: arguments.tangential_axis,
-        seen_in_mirror: arguments.seen_in_mirror,
-    };
-    let place = arguments.place(sheet);
-    match arguments.width {
-        Some(_) => from_afar_reduced(source, sheet, place, &scale, &method),
-        None => {
-            let rendered = from_afar(source, sheet, place, &scale, &method)?;
-            Ok((rendered, None, scale.pitch_mm))
-        }
-    }
-}
-
-/// Renders the mid-air image of a picture, and returns it with its facts.
-///
-/// # Errors
-/// Returns [`Failure::Pictures`] if the view cannot be used or the table lacks a direction, and
-/// [`Failure::Estimator`] if the result cannot be used with the table.
-pub(super) fn rendered(
-    arguments: &Arguments,
-    sheet: &Fitted<'_>,
-    source: &Picture,
-    progress: RenderProgress<'_>,
-) -> Result<(Picture, Report), Failure> {
-    let (result, table) = (sheet.result, sheet.table);
-    let view = arguments.view.as_deref().map(CameraView::load).transpose();
-    let view = view.map_err(pictures::Error::from)?;
-    let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
-    let looked = looked(arguments, sheet, source, view.as_ref(), progress)?;
-    let (rendered, reduced, pitch_mm) = looked;
-    let places: Vec<Viewpoint> = rendered.spots.iter().map(|spot| spot.place).collect();
-    let mut warnings = remarks(result, table, &places)?;
-    warnings.extend(of_image(source, &rendered, sheet));
-    warnings.extend(
-        reduced
-            .as_ref()
-            .map(|own| of_reduced(source, own, pitch_mm)),
-    );
-    let source = reduced.as_ref().unwrap_or(source);
-    let width_mm = source.width as f64 * pitch_mm;
-    warnings.extend((arguments.distance).and_then(|distance| spacious(width_mm, distance)));
-    warnings.extend(beyond_the_rim(source, &rendered));
-    let mut image = rendered.image;
-    let contrast = (ambient > 0.0).then(|| Contrast {
-        mean: image.mean_luminance() / ambient,
-        peak: image.peak_luminance() / ambient,
-    });
-    let exposure = match arguments.auto_exposure {
-        true => automatic(source, &image, ambient),
-        false => arguments.exposure,
-    };
-    image.expose(ambient, exposure);
-    let size_mm = [image.width, image.height].map(|pixels| pixels as f64 * pitch_mm);
-    let image = match arguments.beside {
-        true => image.beside(source),
-        false => image,
-    };
-
-    let spots = &rendered.spots;
-    let report = Report {
-        width: image.width,
-        height: image.height,
-        channels: image.planes.len(),
-        size_mm,
-        exposure,
-        pixel_pitch_mm: pitch_mm,
-        incidence_deg: range(spots, |spot| spot.place.incidence_deg),
-        azimuth_deg: (!table.axes.is_mean())
-            .then(|| range(spots, |spot| spot.place.azimuth_deg.unwrap_or(f64::NAN))),
-        distance_mm: range(spots, |spot| spot.place.r_mm),
-        seen_in_mirror: (view.as_ref()).map_or(arguments.seen_in_mirror, CameraView::is_in_mirror),
-        energy: (spots.iter().all(|spot| spot.energy.is_some()))
-            .then(|| range(spots, |spot| spot.energy.unwrap_or(1.0))),
-        transfer_error: rendered.transfer_error,
-        tiles: rendered.tiles,
-        sampling_error: rendered.sampling_error,
-        contrast,
-        seconds: None,
-        warnings,
-    };
-    Ok((image, report))
 }
 
 fn encoded(

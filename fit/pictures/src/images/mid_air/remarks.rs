@@ -1,7 +1,7 @@
 //! Warnings about an image that was rendered.
 
-use crate::cli::render::facts::range;
-use crate::cli::render::image::Rendered;
+use crate::images::mid_air::facts::range;
+use crate::images::mid_air::image::Rendered;
 use edges::photographs::photo::picture::{Picture, Writing};
 use estimator::predict::{Fitted, between};
 
@@ -59,7 +59,7 @@ pub(super) fn of_reduced(source: &Picture, reduced: &Picture, pitch_mm: f64) -> 
 /// Returns the warning for a picture so wide that one incidence does not stand for all of it.
 ///
 /// From twice its distance on, rays to its rims leave the middle one by 45 degrees and more.
-pub(crate) fn spacious(width_mm: f64, distance_mm: f64) -> Option<String> {
+pub fn spacious(width_mm: f64, distance_mm: f64) -> Option<String> {
     (width_mm >= 2.0 * distance_mm).then(|| {
         format!(
             "the picture is {width_mm:.0} mm wide, and floats {distance_mm:.0} mm from its sheet: \
@@ -91,7 +91,7 @@ pub(super) fn beyond_the_rim(source: &Picture, rendered: &Rendered) -> Option<St
 }
 
 /// Returns the warning for an image that is brighter than its file can hold.
-pub(super) fn clipped(image: &Picture, writing: Writing) -> Option<String> {
+pub fn clipped(image: &Picture, writing: Writing) -> Option<String> {
     let clipped = image.above_white();
     (writing == Writing::Png && clipped > 0).then(|| {
         format!(
@@ -104,9 +104,9 @@ pub(super) fn clipped(image: &Picture, writing: Writing) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::images::Viewpoint;
+    use crate::images::render::sampled::Spotted;
     use edges::photographs::photo::transfer::Transfer;
-    use pictures::images::Viewpoint;
-    use pictures::images::render::sampled::Spotted;
 
     /// A quarter of the light of 0.5 returns, and the image holds three fifths of it.
     #[test]
