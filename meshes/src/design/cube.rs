@@ -213,7 +213,9 @@ impl Design {
         let (corner, ends) = corner.with_land(legs, 0.5 * self.gap);
         Ok(match self.shape {
             Shape::Triangular => corner.mesh(),
-            _ => corner.pair(ends, rim_normal(legs)),
+            Shape::TriangularPair | Shape::FullCube | Shape::Canted => {
+                corner.pair(ends, rim_normal(legs))
+            }
         })
     }
 

@@ -100,7 +100,7 @@ fn a_cell_does_not_depend_on_its_placement() {
         ),
     );
     let inputs = (
-        0..4_usize,
+        0..Shape::ALL.len(),
         prop::array::uniform4(-1.0..1.0_f64),
         -6.0..6.0_f64,
         (

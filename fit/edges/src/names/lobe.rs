@@ -43,7 +43,9 @@ impl LobeShape {
     pub const fn other(self) -> LobeShape {
         match self {
             LobeShape::Radial => LobeShape::Separable,
-            _ => LobeShape::Radial,
+            LobeShape::Separable | LobeShape::Gaussian | LobeShape::Beckmann | LobeShape::Ggx => {
+                LobeShape::Radial
+            }
         }
     }
 

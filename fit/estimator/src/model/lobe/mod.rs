@@ -12,9 +12,8 @@
 //!
 //! The lobes of rough facets (`microfacet`) are here too, for the baselines.
 //!
-//! A shape has one file with its mathematics for a = 1, and one line in each match below. A new one
-//! needs nothing else but its name (`edges::names::LobeShape`) and its edge in space for the
-//! simulator.
+//! A shape has one file with its mathematics for a = 1, and one line in each match below.
+//! CONTRIBUTING.md lists what else a new one needs.
 
 pub mod microfacet;
 mod radial;
@@ -98,7 +97,9 @@ impl Lobe for LobeShape {
     fn kink(self, a: f64, normal: [f64; 2]) -> (f64, f64) {
         match self {
             LobeShape::Separable => separable::kink(a, normal),
-            _ => (0.0, 0.0),
+            LobeShape::Radial | LobeShape::Gaussian | LobeShape::Beckmann | LobeShape::Ggx => {
+                (0.0, 0.0)
+            }
         }
     }
 
