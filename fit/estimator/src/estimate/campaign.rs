@@ -10,6 +10,7 @@ use crate::estimate::bound::{Bounds, absent, bounds};
 use crate::estimate::error::{Conflict, Error};
 use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::forward::Renders;
+use crate::estimate::further;
 use crate::estimate::goodness;
 use crate::estimate::goodness::Goodness;
 use crate::estimate::layout::{Choice, Value};
@@ -276,13 +277,19 @@ fn fitted(
     let kind = options.kind();
     // Terms and bounds are found in closed form and in units of the noise.
     let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
-    let selection = select(scene, telling, candidates, progress)?;
+    let mut selection = select(scene, telling, candidates, progress)?;
+    // The published loop has no further blurs.
+    if options.samples.is_none() {
+        selection = further::added(scene, candidates, selection);
+    }
     let telling = goodness::of(scene, &selection.loss, &selection.best);
     let unit = telling.scale.powi(2);
     let mut found = Bounds::new();
     if telling.scale <= UNBOUNDED {
         found = bounds(scene, &selection.loss, &selection.best, unit);
         found.extend(absent(scene, &selection, unit));
+        let (loss, best) = (&selection.loss, &selection.best);
+        found.extend(further::hidden_spread(scene, loss, best, unit));
     }
     let Selection {
         best,

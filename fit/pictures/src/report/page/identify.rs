@@ -190,7 +190,10 @@ fn value(page: &Page, id: ParameterId) -> Option<f64> {
         ParameterKind::ATimesR => result.a_times_r.as_ref()?,
         ParameterKind::Roughness => result.roughness.as_ref()?,
         ParameterKind::SurfaceRoughness => return result.surface_roughness?.value,
-        ParameterKind::Mu | ParameterKind::Azimuth => return None,
+        ParameterKind::OwnBlur
+        | ParameterKind::AngularSpread
+        | ParameterKind::Mu
+        | ParameterKind::Azimuth => return None,
     };
     match parameter {
         Parameter::Shared(number) => number.value,

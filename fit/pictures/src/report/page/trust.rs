@@ -62,5 +62,6 @@ fn named(given: UnverifiedInput) -> &'static str {
         UnverifiedInput::AzimuthDeg => "azimuths (\u{b0})",
         UnverifiedInput::TangentialAxisDeg => "tangential axes (\u{b0})",
         UnverifiedInput::Cell => "cell of the table",
+        UnverifiedInput::Lens => "lens: as sharp as in the reference",
     }
 }
