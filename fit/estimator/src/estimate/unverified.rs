@@ -63,10 +63,10 @@ pub enum UnverifiedInput {
     AzimuthDeg,
     /// Tangential axes of all photographs, degrees.
     TangentialAxisDeg,
-    /// Cell of the table.
-    Cell,
     /// Lens: that the mid-air photographs are as sharp as the reference.
     Lens,
+    /// Cell of the table.
+    Cell,
 }
 
 impl UnverifiedInput {
@@ -82,8 +82,8 @@ impl UnverifiedInput {
             UnverifiedInput::IncidenceDeg => "incidence_deg",
             UnverifiedInput::AzimuthDeg => "azimuth_deg",
             UnverifiedInput::TangentialAxisDeg => "tangential_axis_deg",
-            UnverifiedInput::Cell => "cell",
             UnverifiedInput::Lens => "lens",
+            UnverifiedInput::Cell => "cell",
         }
     }
 }
@@ -161,13 +161,13 @@ impl Doubted<'_> {
         };
         let mut all = doubts.scales();
         all.extend(doubts.angles());
-        all.extend(doubts.cells());
         // An own blur that was fitted is not taken on trust, nor is a lens without a reference.
         if self.scene.reference.is_some() && self.best.own_blur_px.is_none() {
             let step = format!("{OWN_BLUR_PX} px of further blur");
             let changes = doubts.blurred(OWN_BLUR_PX);
             all.push(doubts.entry(UnverifiedInput::Lens, None, &step, changes));
         }
+        all.extend(doubts.cells());
         all
     }
 
