@@ -210,6 +210,13 @@ class Result:
     c, a, mu : Estimate or None
         Corner size (mm), diffraction spread (1/mm; for the kernel ``angular`` A = a R without
         unit), and reflectance. None if the model has no such parameter.
+    own_blur : Estimate or None
+        Blur of the mid-air photographs that the reference does not have, pixels (standard
+        deviation; negative if the reference is less sharp). None if the photographs do not ask for
+        it.
+    angular_spread : Estimate or None
+        Standard deviation of the direction of the returned light, mrad. None if the photographs do
+        not ask for it.
     roughness, surface_roughness : Estimate or None
         Roughness of facets and of the front face, of a published baseline.
     verdict : str
@@ -235,6 +242,8 @@ class Result:
         self.a = Estimate._of(data["a_per_mm"] or data["a_times_r"])
         self.mu = Estimate._of(data["mu"])
         self.verdict: str = (data.get("fit") or {}).get("verdict", "unknown")
+        self.own_blur = Estimate._of(data.get("own_blur_px"))
+        self.angular_spread = Estimate._of(data.get("angular_spread_mrad"))
         self.roughness = Estimate._of(data.get("roughness"))
         self.surface_roughness = Estimate._of(data.get("surface_roughness"))
         fit = data.get("fit") or {}
@@ -800,6 +809,7 @@ def sheet(
     a: float | None = None,
     a_times_r: float | None = None,
     kernel: str | None = None,
+    angular_spread_mrad: float | None = None,
     mu: float | None = None,
     half_mirror: float | None = None,
     pixel_pitch: float | None = None,
@@ -818,6 +828,9 @@ def sheet(
     wavelength_nm, a, a_times_r
         What spreads the light: wave optics at these wavelengths; a lobe of this a (1/mm) at every
         distance; or a lobe of fixed angle, A = a R. Give one of them.
+    angular_spread_mrad : float, optional
+        Standard deviation of the direction of the returned light across the plane of incidence,
+        mrad, for cubes whose dihedral angles differ from cell to cell.
     mu : float, optional
         Reflectance; without it the luminance is not known.
     half_mirror : float, optional
@@ -839,6 +852,7 @@ def sheet(
         a=a,
         a_times_r=a_times_r,
         kernel=kernel,
+        angular_spread_mrad=angular_spread_mrad,
         mu=mu,
         half_mirror=half_mirror,
         pixel_pitch=pixel_pitch,

@@ -20,7 +20,17 @@ OF_PYTHON = {"folder", "progress", "table", "result"}
 #: Options that a prediction in Python does not need.
 OF_PREDICT = {"against", "channel", "floating_distance", "model"}
 #: Options of a sheet without a fit, which are the keywords of `midair.sheet`.
-OF_A_SHEET = {"a", "a_times_r", "c", "half_mirror", "kernel", "mu", "sheet", "wavelength_nm"}
+OF_A_SHEET = {
+    "a",
+    "a_times_r",
+    "angular_spread_mrad",
+    "c",
+    "half_mirror",
+    "kernel",
+    "mu",
+    "sheet",
+    "wavelength_nm",
+}
 #: Options that stand first in Python, without a keyword of their own name.
 FIRST = {"captures", "mesh", "image", "params", "name", "source"}
 

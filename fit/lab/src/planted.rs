@@ -12,6 +12,7 @@ use edges::photographs::photo::plane::Photo;
 use edges::photographs::photo::taken::Taken;
 use estimator::estimate::search::optimum::optimum;
 use estimator::estimate::{Choice, Estimate, Kind, Loss, Scene, estimate, refined};
+use estimator::model::Further;
 use ndarray::{Array2, Array3, Array4};
 use tables::options::{Back, Losses, Method, StatedOptions};
 use tables::{Axes, Exact, Path, Provenance, Table};
@@ -188,6 +189,7 @@ pub fn truth(kernel: Kernel, lobe: LobeShape, a: f64, c_mm: f64, mu: f64) -> Pla
         pair: true,
         a: ByIncidence::Shared(a),
         c_mm,
+        angular_spread_mrad: 0.0,
         mu: ByIncidence::Shared(mu),
     }
 }
@@ -207,6 +209,7 @@ pub const SHARED: Choice = Choice {
     shape: LobeShape::Radial,
     per_angle_a: false,
     per_angle_mu: false,
+    further: Further::NONE,
 };
 
 /// Fits `choice` to a scene by a loss.

@@ -113,10 +113,7 @@ pub fn nearest(
     let frequencies = &places.frequency_per_mm[..end];
     let index = table.provenance.refractive_index;
     let squares = |ln_alpha: f64| -> f64 {
-        let blur = Blur {
-            spread: ln_alpha.exp(),
-            c_mm: 1.0,
-        };
+        let blur = Blur::new(ln_alpha.exp(), 1.0);
         let along = |axis: &Prediction| -> f64 {
             let normal = axis.axis.normal();
             let lobe = Baseline::new(Kernel::Mrm, incidence_deg.to_radians(), index, normal);

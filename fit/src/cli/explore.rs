@@ -266,6 +266,13 @@ pub(super) fn made(
     if let Some((_, picture)) = source {
         warnings.extend(picture.warnings.iter().cloned());
     }
+    let spread = sheet.result.angular_spread_mrad.and_then(|own| own.value);
+    warnings.extend(spread.map(|mrad| {
+        format!(
+            "the page leaves out the angular spread of {mrad:.3} mrad, so its images are too \
+            sharp; `fit render` includes it"
+        )
+    }));
     let shown = arguments.width.zip(arguments.distance);
     warnings.extend(shown.and_then(|(width, distance)| spacious(width, distance)));
     let explorer = Explorer {

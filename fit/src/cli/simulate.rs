@@ -31,6 +31,9 @@ Example (PARAMS.toml):
   edge_normal_deg = 5.0
   exposure = 6.0
 
+[truth] may hold angular_spread_mrad: the standard deviation of the direction of the
+returned light, across the plane of incidence and outside of the sheet.
+
 If kernel is \"wave\", [truth] takes wavelength_nm in place of lobe and a. Write
 550, or \"450:0.2,550:0.5,620:0.3\".
 

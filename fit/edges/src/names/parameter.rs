@@ -21,6 +21,11 @@ pub enum ParameterKind {
     ATimesR,
     /// Roughness of the facets of a baseline, without unit.
     Roughness,
+    /// Blur of the mid-air photographs that the reference does not have: standard deviation, pixels;
+    /// negative if the reference is less sharp.
+    OwnBlur,
+    /// Standard deviation of the direction of the returned light, mrad.
+    AngularSpread,
     /// Reflectance mu.
     Mu,
     /// Azimuth that is added to those of the captures, degrees. It has no row in the covariance.
@@ -29,12 +34,14 @@ pub enum ParameterKind {
 
 impl ParameterKind {
     /// All kinds of parameters.
-    pub const ALL: [ParameterKind; 7] = [
+    pub const ALL: [ParameterKind; 9] = [
         ParameterKind::CornerSize,
         ParameterKind::SurfaceRoughness,
         ParameterKind::APerMm,
         ParameterKind::ATimesR,
         ParameterKind::Roughness,
+        ParameterKind::OwnBlur,
+        ParameterKind::AngularSpread,
         ParameterKind::Mu,
         ParameterKind::Azimuth,
     ];
@@ -47,6 +54,8 @@ impl ParameterKind {
             ParameterKind::APerMm => "a_per_mm",
             ParameterKind::ATimesR => "a_times_r",
             ParameterKind::Roughness => "roughness",
+            ParameterKind::OwnBlur => "own_blur_px",
+            ParameterKind::AngularSpread => "angular_spread_mrad",
             ParameterKind::Mu => "mu",
             ParameterKind::Azimuth => "azimuth_deg",
         }
@@ -129,8 +138,9 @@ impl fmt::Display for ParameterId {
 /// The error of a text that names no parameter.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "\"{text}\" is no parameter; write c_mm, a_per_mm, a_times_r, roughness, surface_roughness or \
-    mu, with _at_ and the incidence where there is one per angle"
+    "\"{text}\" is no parameter; write c_mm, a_per_mm, a_times_r, roughness, surface_roughness, \
+    own_blur_px, angular_spread_mrad or mu, with _at_ and the incidence where there is one per \
+    angle"
 )]
 pub struct NoParameter {
     /// The text that was given.
@@ -209,7 +219,7 @@ mod tests {
                 cases += 1;
             }
         }
-        assert_eq!(cases, 28);
+        assert_eq!(cases, 36);
         assert_eq!(ParameterKind::APerMm.at(20.0).to_string(), "a_per_mm_at_20");
         for bad in [
             "",

@@ -38,7 +38,7 @@ use crate::compare::light::{LIGHT, Lights, Terms, UNIT_PX, Uneven};
 use crate::compare::pixels::{Bin, Pixels};
 use crate::compare::place::Place;
 use crate::compare::remainder::{Remainder, Sums};
-use crate::compare::view::MODEL_ERROR;
+use crate::compare::view::{MODEL_ERROR, by_variance};
 use crate::model::Blur;
 use crate::model::Camera;
 use crate::model::Model;
@@ -82,7 +82,7 @@ const FIRST_LIGHT: usize = 3;
 const BEND_PX: f64 = 0.5;
 
 /// Edge profile of a trial model, with its derivatives by the fitted parameters: ln spread, ln c,
-/// then those of the lens.
+/// the variances of further blurs, then those of the lens.
 pub struct Curves {
     value: Even,
     by: Vec<Even>,
@@ -205,13 +205,23 @@ impl<'a> Photograph<'a> {
             (lens > 0, 3, 0.0),
             (lens > 1, 4, 0.0),
         ];
+        let of = |wanted: &[(bool, usize, f64)]| -> Vec<Even> {
+            let wanted = wanted.iter().filter(|&&(is, ..)| is);
+            wanted
+                .map(|&(_, part, kink)| self.grid.even(&otf[part], kink))
+                .collect()
+        };
+        // A Gaussian factor does not change the kink at frequency 0.
+        let slopes = model
+            .into_iter()
+            .flat_map(|(model, _)| model.variance_slopes());
+        let further = slopes.map(|by| self.grid.even(&by_variance(&self.grid, &otf[0], by), 0.0));
+        let mut by = of(&wanted[..2]);
+        by.extend(further);
+        by.extend(of(&wanted[2..]));
         Curves {
             value: self.grid.even(&otf[0], kink),
-            by: wanted
-                .into_iter()
-                .filter(|&(is, ..)| is)
-                .map(|(_, part, kink)| self.grid.even(&otf[part], kink))
-                .collect(),
+            by,
         }
     }
 

@@ -7,6 +7,7 @@ use num_complex::Complex64;
 use crate::model::Blur;
 use crate::model::Camera;
 use crate::model::Grid;
+use crate::model::further;
 use crate::model::{Curve, Model};
 use edges::numerics::fast_length;
 use edges::photographs::Profile;
@@ -142,6 +143,10 @@ impl View {
                 .has_lobe()
                 .then(|| bins(by_spread, kink_by_spread)),
             by_ln_c: model.kernel.has_c().then(|| bins(by_c, kink_by_c)),
+            by_further: model
+                .variance_slopes()
+                .map(|by| bins(&by_variance(&self.grid, value, by), 0.0))
+                .collect(),
         }
     }
 
@@ -218,6 +223,15 @@ impl View {
     pub fn pitch_mm(&self) -> f64 {
         self.pitch_mm
     }
+}
+
+/// Returns the derivative of an OTF by a parameter on which the variance of a Gaussian factor
+/// depends with the slope `by`.
+pub(crate) fn by_variance(grid: &Grid, otf: &[Complex64], by: f64) -> Vec<Complex64> {
+    let frequencies = grid.frequencies_per_mm().zip(otf);
+    frequencies
+        .map(|(f, value)| value * (by * further::slope(f)))
+        .collect()
 }
 
 /// Evaluates the OTF of a camera along a normal at the frequencies of a grid.

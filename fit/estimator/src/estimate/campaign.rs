@@ -12,6 +12,7 @@ use crate::estimate::search::azimuth::Azimuth;
 use crate::estimate::search::bound::{Bounds, absent, bounds};
 use crate::estimate::search::fitted::{Estimate, estimate};
 use crate::estimate::search::forward::Renders;
+use crate::estimate::search::further;
 use crate::estimate::search::layout::{Choice, Value};
 use crate::estimate::search::loss::{Kind, Loss};
 use crate::estimate::search::optimum::refined;
@@ -276,13 +277,19 @@ fn fitted(
     let kind = options.kind();
     // Terms and bounds are found in closed form and in units of the noise.
     let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
-    let selection = select(scene, telling, candidates, progress)?;
+    let mut selection = select(scene, telling, candidates, progress)?;
+    // The published loop has no further blurs.
+    if options.samples.is_none() {
+        selection = further::added(scene, candidates, selection);
+    }
     let telling = goodness::of(scene, &selection.loss, &selection.best);
     let unit = telling.scale.powi(2);
     let mut found = Bounds::new();
     if telling.scale <= UNBOUNDED {
         found = bounds(scene, &selection.loss, &selection.best, unit);
         found.extend(absent(scene, &selection, unit));
+        let (loss, best) = (&selection.loss, &selection.best);
+        found.extend(further::hidden_spread(scene, loss, best, unit));
     }
     let Selection {
         best,

@@ -11,13 +11,14 @@
 //!   models.
 //! - `joint`, [`loss`]: the function that is minimised. [`start`], [`optimum`]: its minimum.
 //! - `covariance`, [`fitted`]: the results that follow from the minimum.
-//! - [`select`](mod@select): the choice of the terms.
+//! - [`select`](mod@select): the choice of the terms. `further`: that of further blurs.
 //! - [`bound`], `azimuth`, [`forward`]: bounds, the azimuth, and the estimate by samples.
 //! - [`mod@goodness`], `suspects`: how well the fit describes the photographs, and why it does not.
 //! - `unverified`: effects of what no photograph can check.
 //! - `mirror`, `verdict`: warnings. [`progress`]: progress and cancellation.
 
 pub mod campaign;
+
 pub mod progress;
 mod remarks;
 pub mod scene;

@@ -4,6 +4,8 @@
 use num_complex::Complex64;
 
 use crate::model::baseline::Baseline;
+use crate::model::further;
+use crate::model::further::Further;
 use crate::model::lobe::Lobe;
 use edges::names::Kernel;
 use edges::names::LobeShape;
@@ -19,10 +21,27 @@ pub struct Blur {
     /// Corner size c, mm, or the roughness of the front (saito-surface). `lobe` and the other
     /// baselines ignore it.
     pub c_mm: f64,
+    /// Variance of the blur of the camera that the reference does not have, mm^2. It is negative if
+    /// the reference is less sharp.
+    pub own_blur_mm2: f64,
+    /// Variance of the direction of the returned light, across the plane of incidence, mrad^2.
+    pub angular_spread_mrad2: f64,
+}
+
+impl Blur {
+    /// Makes the blur of a kernel alone.
+    pub const fn new(spread: f64, c_mm: f64) -> Blur {
+        Blur {
+            spread,
+            c_mm,
+            own_blur_mm2: 0.0,
+            angular_spread_mrad2: 0.0,
+        }
+    }
 }
 
 /// Profile of a model over the bins, with its derivatives by the natural logarithms of spread and
-/// c.
+/// c, and by the variances of further blurs.
 pub struct Curve {
     /// Mean of the unit edge over each bin.
     pub bins: Vec<f64>,
@@ -30,6 +49,17 @@ pub struct Curve {
     pub by_ln_spread: Option<Vec<f64>>,
     /// Derivative by ln(c), if the kernel has c.
     pub by_ln_c: Option<Vec<f64>>,
+    /// Derivatives by the variances of the further blurs that the model has, in the units of
+    /// [`Blur`].
+    pub by_further: Vec<Vec<f64>>,
+}
+
+impl Curve {
+    /// Returns the derivatives in the order of a candidate's columns: spread, c, further blurs.
+    pub fn derivatives(&self) -> impl Iterator<Item = &Vec<f64>> {
+        let kernel = self.by_ln_spread.iter().chain(&self.by_ln_c);
+        kernel.chain(&self.by_further)
+    }
 }
 
 /// Blur of one direction along one line: kernel, lobe shape, and the direction's shift or waves.
@@ -51,6 +81,10 @@ pub struct Model<'a> {
     pub r_mm: f64,
     /// Edge normal in the mid-air image, (tangential, sagittal).
     pub normal: [f64; 2],
+    /// Further blurs by whose variances a fit needs derivatives.
+    pub further: Further,
+    /// Gain of an angular spread in the plane of incidence, see [`further::tangential_gain`].
+    pub tangential_gain: f64,
 }
 
 impl Model<'_> {
@@ -59,7 +93,30 @@ impl Model<'_> {
     pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
         let [sheet, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);
         let [lobe, by_ln_spread] = self.lobe_otf(blur.spread, frequency);
-        [sheet * lobe, sheet * by_ln_spread, by_ln_c * lobe]
+        let further = further::otf(self.variance_mm2(blur), frequency);
+        [sheet * lobe, sheet * by_ln_spread, by_ln_c * lobe].map(|part| part * further)
+    }
+
+    /// Returns the variance of all further blurs along the normal, mm^2.
+    fn variance_mm2(&self, blur: Blur) -> f64 {
+        if blur.angular_spread_mrad2 == 0.0 {
+            return blur.own_blur_mm2;
+        }
+        blur.own_blur_mm2 + blur.angular_spread_mrad2 * self.variance_per_mrad2()
+    }
+
+    fn variance_per_mrad2(&self) -> f64 {
+        further::variance_per_mrad2(self.r_mm, self.normal, self.tangential_gain)
+    }
+
+    /// Returns the derivatives of the variance along the normal by the parameters of the further
+    /// blurs that the model has. Times [`further::slope`] they are those of the logarithm of the
+    /// OTF.
+    pub fn variance_slopes(&self) -> impl Iterator<Item = f64> + use<> {
+        let own = self.further.own_blur.then_some(1.0);
+        let angular = self.further.angular_spread;
+        let angular = angular.then(|| self.variance_per_mrad2());
+        own.into_iter().chain(angular)
     }
 
     /// Evaluates the factor of the OTF that depends on c (shift, waves or a rough front), and its

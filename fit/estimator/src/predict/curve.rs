@@ -5,8 +5,8 @@ use num_complex::Complex64;
 use tables::{Direction, ShiftLine, WaveLine};
 
 use crate::error::Error;
-use crate::model::wave;
-use crate::model::{Baseline, Blur, Model};
+use crate::model::{Baseline, Blur, Further, Model};
+use crate::model::{further, wave};
 use crate::predict::sheet::Fitted;
 use edges::names::{Kernel, LobeShape};
 
@@ -18,6 +18,7 @@ pub(crate) struct Line {
     wave: Option<WaveLine>,
     baseline: Option<Baseline>,
     normal: [f64; 2],
+    tangential_gain: f64,
     blur: Blur,
 }
 
@@ -51,6 +52,7 @@ impl Line {
             wave,
             baseline: Baseline::new(result.kernel, incidence, index, normal),
             normal,
+            tangential_gain: sheet.tangential_gain(incidence_deg),
             blur: sheet.blur(incidence_deg)?,
         }))
     }
@@ -66,6 +68,11 @@ impl Line {
                 baseline: self.baseline,
                 r_mm,
                 normal: self.normal,
+                further: Further {
+                    own_blur: false,
+                    angular_spread: self.blur.angular_spread_mrad2 > 0.0,
+                },
+                tangential_gain: self.tangential_gain,
             },
             blur: self.blur,
         }
@@ -78,13 +85,14 @@ pub(crate) struct Curve<'a> {
     blur: Blur,
 }
 
-/// A number of a prediction, and its derivatives by spread and c.
+/// A number of a prediction, and its derivatives by spread, c and the angular spread.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Derived {
     /// The number itself.
     pub value: f64,
-    /// Derivatives by the spread and by c, in the units of [`Blur`].
-    pub by_blur: [f64; 2],
+    /// Derivatives by the spread and by c, in the units of [`Blur`], and by the angular spread in
+    /// mrad.
+    pub by_blur: [f64; 3],
 }
 
 /// First and last frequency at which a crossing is looked for, 1/mm.
@@ -122,11 +130,16 @@ impl Curve<'_> {
             0.0 => 0.0,
             slope => slope / parameter,
         };
+        // The derivative by the variance, times that of the variance by the spread.
+        let by_variance: f64 = self.model.variance_slopes().sum();
+        let spread_mrad = self.blur.angular_spread_mrad2.sqrt();
+        let by_angular = value * further::slope(frequency_per_mm) * by_variance * 2.0 * spread_mrad;
         Derived {
             value,
             by_blur: [
                 own(by_ln_spread, self.blur.spread),
                 own(by_ln_c, self.blur.c_mm),
+                by_angular,
             ],
         }
     }

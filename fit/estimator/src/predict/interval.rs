@@ -24,8 +24,8 @@ type Rows = Option<Vec<(usize, f64)>>;
 /// Errors of the parameters at one incidence.
 pub(crate) struct Uncertainty<'a> {
     matrix: &'a [Vec<Option<f64>>],
-    /// Spread, c, and mu.
-    rows: [Rows; 3],
+    /// Spread, c, angular spread, and mu.
+    rows: [Rows; 4],
 }
 
 impl<'a> Uncertainty<'a> {
@@ -48,23 +48,26 @@ impl<'a> Uncertainty<'a> {
             };
             parts.map(row_of).collect()
         };
-        let size = row(ParameterKind::size_of(kernel).shared()).map(|row| vec![(row, 1.0)]);
+        let one = |kind: ParameterKind| row(kind.shared()).map(|row| vec![(row, 1.0)]);
+        let size = one(ParameterKind::size_of(kernel));
         let of = |kind, parameter: Option<&Parameter>| parameter.and_then(|own| rows(kind, own));
         Uncertainty {
             matrix: &result.covariance.matrix,
             rows: [
                 of(ParameterKind::spread_of(kernel), result.spread()),
                 size,
+                one(ParameterKind::AngularSpread),
                 of(ParameterKind::Mu, result.mu.as_ref()),
             ],
         }
     }
 
-    /// Returns the standard error of a number with the given derivatives by spread, c and mu.
+    /// Returns the standard error of a number with the given derivatives by spread, c, the angular
+    /// spread and mu.
     ///
     /// It is `None` without a covariance, and if that has no finite entry for a parameter on which
     /// the number depends.
-    fn standard_error(&self, by: [f64; 3]) -> Option<f64> {
+    fn standard_error(&self, by: [f64; 4]) -> Option<f64> {
         if self.matrix.is_empty() {
             return None;
         }
@@ -94,15 +97,16 @@ impl<'a> Uncertainty<'a> {
         beside: f64,
         [least, most]: [f64; 2],
     ) -> Option<[f64; 2]> {
-        let [by_spread, by_c] = number.by_blur;
-        let half = HALF_WIDTH * self.standard_error([by_spread, by_c, 0.0])?.hypot(beside);
+        let [by_spread, by_c, by_angular] = number.by_blur;
+        let by = [by_spread, by_c, by_angular, 0.0];
+        let half = HALF_WIDTH * self.standard_error(by)?.hypot(beside);
         Some([number.value - half, number.value + half].map(|v| v.clamp(least, most)))
     }
 
     /// Returns the 95 % interval of a luminance, which is `by_mu` times mu. `beside` is a standard
     /// error that mu does not cause.
     pub(crate) fn of_luminance(&self, luminance: f64, by_mu: f64, beside: f64) -> Option<[f64; 2]> {
-        let half = HALF_WIDTH * self.standard_error([0.0, 0.0, by_mu])?.hypot(beside);
+        let half = HALF_WIDTH * self.standard_error([0.0, 0.0, 0.0, by_mu])?.hypot(beside);
         Some([luminance - half, luminance + half].map(|v| v.max(0.0)))
     }
 }

@@ -4,6 +4,7 @@ use tables::{Direction, Table};
 
 use crate::error::Error;
 use crate::model::Blur;
+use crate::model::further;
 use crate::model::{baseline, wave};
 use crate::result::TableResult;
 use crate::result::{Number, Parameter, ResultFile};
@@ -65,7 +66,8 @@ impl<'a> Fitted<'a> {
         warnings
     }
 
-    /// Returns spread and corner size at an incidence, or the roughnesses of a baseline.
+    /// Returns spread, corner size and angular spread at an incidence, or the roughnesses of a
+    /// baseline. The blur of the camera is not part of it.
     ///
     /// A roughness without a value (the photographs give only a bound) is taken as 0.
     ///
@@ -93,7 +95,17 @@ impl<'a> Fitted<'a> {
         } else {
             1.0
         };
-        Ok(Blur { spread, c_mm })
+        let angular_mrad = result.angular_spread_mrad.and_then(|own| own.value);
+        Ok(Blur {
+            angular_spread_mrad2: angular_mrad.unwrap_or(0.0).powi(2),
+            ..Blur::new(spread, c_mm)
+        })
+    }
+
+    /// Returns the gain of an angular spread in the plane of incidence.
+    pub fn tangential_gain(&self, incidence_deg: f64) -> f64 {
+        let index = self.table.provenance.refractive_index;
+        further::tangential_gain(incidence_deg.to_radians(), index)
     }
 
     /// Returns the directions at one standard error of the fitted azimuth to either side of an
@@ -154,6 +166,11 @@ fn numbers(result: &ResultFile) -> Result<(), Error> {
         ("roughness", all(&result.roughness), Bounds::NOT_NEGATIVE),
         ("mu", all(&result.mu), Bounds::NOT_NEGATIVE),
         ("c_mm", one(result.c_mm), Bounds::NOT_NEGATIVE),
+        (
+            "angular_spread_mrad",
+            one(result.angular_spread_mrad),
+            Bounds::NOT_NEGATIVE,
+        ),
         (
             "surface_roughness",
             one(result.surface_roughness),

@@ -29,6 +29,9 @@ pub struct ByHand {
     pub c_mm: f64,
     /// Cause that spreads the light.
     pub spread: Spread,
+    /// Standard deviation of the direction of the returned light across the plane of incidence,
+    /// mrad; `None` for a sheet without angular errors.
+    pub angular_spread_mrad: Option<f64>,
     /// Reflectance mu; `None` if it is not known.
     pub mu: Option<f64>,
     /// Transmittance times reflectance of the half mirror.
@@ -65,6 +68,13 @@ impl ByHand {
 
     /// Returns the numbers as a result, which has no standard errors.
     pub fn result(&self, table: TableResult) -> ResultFile {
+        let mut result = self.ideal(table);
+        result.spread_by_mrad(self.angular_spread_mrad);
+        result
+    }
+
+    /// Returns the numbers without the angular spread.
+    fn ideal(&self, table: TableResult) -> ResultFile {
         let shared = |value| {
             Parameter::Shared(Number {
                 value: Some(value),
@@ -95,6 +105,8 @@ impl ByHand {
             a_times_r,
             roughness: None,
             surface_roughness: None,
+            own_blur_px: None,
+            angular_spread_mrad: None,
             mu: self.mu.map(shared),
             azimuth_deg: None,
             covariance: Covariance {
@@ -129,6 +141,14 @@ impl ResultFile {
         self.stop == BY_HAND || self.is_nominal()
     }
 
+    /// Sets the angular spread of the returned light, mrad.
+    pub fn spread_by_mrad(&mut self, angular_spread_mrad: Option<f64>) {
+        self.angular_spread_mrad = angular_spread_mrad.map(|value| Number {
+            value: Some(value),
+            standard_error: None,
+        });
+    }
+
     /// Returns whether the numbers are those of a nominal sheet.
     pub fn is_nominal(&self) -> bool {
         self.stop == NOMINAL
@@ -145,6 +165,7 @@ mod tests {
             let sheet = ByHand {
                 c_mm,
                 spread: Spread::Angle(750.0),
+                angular_spread_mrad: None,
                 mu: None,
                 half_mirror: 0.25,
                 pixel_pitch_mm: 0.1,

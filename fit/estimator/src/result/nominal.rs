@@ -219,6 +219,7 @@ impl Nominal {
         let sheet = ByHand {
             c_mm: self.c_mm,
             spread,
+            angular_spread_mrad: None,
             mu,
             half_mirror,
             pixel_pitch_mm,

@@ -122,7 +122,7 @@ pub struct Part {
 pub struct Covariance {
     /// Names of the parameters.
     ///
-    /// They are c_mm, a_per_mm or a_times_r, and mu, followed by `_at_<incidence>` if there is one
+    /// They are c_mm, a_per_mm or a_times_r, own_blur_px, angular_spread_mrad, and mu, followed by `_at_<incidence>` if there is one
     /// number per angle.
     pub names: Vec<ParameterId>,
     /// Covariance matrix.
@@ -143,10 +143,21 @@ pub struct Candidate {
     pub sharing: String,
     /// Bayes' information criterion; smaller is better.
     pub criterion: f64,
+    /// True if the model has a blur of the mid-air photographs that the reference does not have.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub own_blur: bool,
+    /// True if the model has an angular spread.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub angular_spread: bool,
     /// Sum of squares of the residuals in units of their noise, with correlations removed.
     pub loss: f64,
     /// Count of parameters of the blur.
     pub parameters: usize,
+}
+
+/// Returns whether a flag is not set.
+fn is_false(flag: &bool) -> bool {
+    !flag
 }
 
 /// MTF of one photograph, measured and modelled with the same estimator.
@@ -260,6 +271,18 @@ pub struct ResultFile {
     /// Roughness of a baseline's front face, without unit; null if it is no separate parameter.
     #[serde(default)]
     pub surface_roughness: Option<Number>,
+    /// Blur of the mid-air photographs that the reference does not have, pixels: the standard
+    /// deviation of a Gaussian, negative if the reference is less sharp.
+    ///
+    /// It is absent if the photographs do not ask for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub own_blur_px: Option<Number>,
+    /// Standard deviation of the direction of the returned light across the plane of incidence,
+    /// outside of the sheet, mrad.
+    ///
+    /// It is absent if the photographs do not ask for it; `bounds` then has a bound.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angular_spread_mrad: Option<Number>,
     /// Reflectance mu; null without a reference photograph.
     pub mu: Option<Parameter>,
     /// Angle that `--fit-azimuth` added to the captures' azimuths, degrees; absent without this
@@ -337,6 +360,12 @@ impl ResultFile {
             a_times_r: written.spread(ParameterKind::ATimesR),
             roughness: written.spread(ParameterKind::Roughness),
             surface_roughness: written.size().filter(|_| is_rough),
+            own_blur_px: best
+                .own_blur_px
+                .map(|own| written.number(ParameterKind::OwnBlur.shared(), own)),
+            angular_spread_mrad: best
+                .angular_spread_mrad
+                .map(|own| written.number(ParameterKind::AngularSpread.shared(), own)),
             mu: best
                 .mu
                 .as_ref()
@@ -438,6 +467,8 @@ fn candidate(row: &Ranked) -> Candidate {
         lobe: kernel.has_lobe().then_some(row.choice.shape),
         sharing: sharing(kernel, row.choice.per_angle_a),
         criterion: row.criterion,
+        own_blur: row.choice.further.own_blur,
+        angular_spread: row.choice.further.angular_spread,
         loss: row.chi2,
         parameters: row.parameters,
     }

@@ -21,6 +21,7 @@ impl Truth {
             ParameterKind::CornerSize if kernel.has_c() => "c",
             ParameterKind::APerMm if kernel.has_lobe() && kernel != Kernel::Angular => "a",
             ParameterKind::ATimesR if kernel == Kernel::Angular => "a",
+            ParameterKind::AngularSpread => "angular_spread_mrad",
             ParameterKind::Mu => "mu",
             _ => return None,
         };

@@ -16,5 +16,6 @@ mod shift;
 pub use sampled::has_samples;
 pub use sampled::{Sampled, Sampling, Tile};
 pub use sequence::Sequence;
+pub use sequence::normals;
 pub use sequence::{DIMENSIONS, Points};
 pub use shift::ShiftSampler;

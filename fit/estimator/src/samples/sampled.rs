@@ -225,6 +225,8 @@ impl Sampled {
             bins: part(0, 1.0),
             by_ln_spread: kernel.has_lobe().then(|| part(2, scale[1])),
             by_ln_c: kernel.has_c().then(|| part(1, -scale[0])),
+            // No samples are drawn for further blurs.
+            by_further: Vec::new(),
         }
     }
 

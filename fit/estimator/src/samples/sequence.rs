@@ -69,6 +69,22 @@ impl Points {
     }
 }
 
+/// Returns two independent normal numbers that are a function of a point of the unit cube.
+///
+/// They come from a hash of its digits, so they are independent of its coordinates and of those of
+/// other points. A blur that needs them has the noise of independent samples.
+pub fn normals(point: [f64; DIMENSIONS]) -> [f64; 2] {
+    let word = |key: u64| {
+        let digits = point.iter().map(|own| own.to_bits());
+        digits.fold(mix(key), |word, own| mix(word ^ own))
+    };
+    // 53 bits, and never 0.
+    let uniform = |key| ((word(key) >> 11) as f64 + 0.5) / (1_u64 << 53) as f64;
+    let radius = (-2.0 * f64::ln(uniform(1))).sqrt();
+    let (sine, cosine) = (std::f64::consts::TAU * uniform(2)).sin_cos();
+    [radius * cosine, radius * sine]
+}
+
 /// Mixes 64 bits by a bijection (the finaliser of SplitMix64).
 fn mix(word: u64) -> u64 {
     let word = word.wrapping_add(0x9e37_79b9_7f4a_7c15);

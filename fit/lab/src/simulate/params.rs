@@ -136,8 +136,17 @@ pub struct PlantedSheet {
     /// Corner size, mm.
     #[serde(rename = "c")]
     pub c_mm: f64,
+    /// Standard deviation of the direction of the returned light across the plane of incidence,
+    /// outside of the sheet, mrad.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub angular_spread_mrad: f64,
     /// Reflectance mu.
     pub mu: ByIncidence,
+}
+
+/// Returns whether a number is 0, which is as good as absent.
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// The edge in one photograph.
@@ -310,6 +319,8 @@ struct TruthTable {
     a: Option<ByIncidence>,
     #[serde(default, deserialize_with = "positive")]
     c: Option<f64>,
+    #[serde(default, deserialize_with = "not_negative")]
+    angular_spread_mrad: f64,
     #[serde(deserialize_with = "positive")]
     mu: ByIncidence,
 }
@@ -332,6 +343,7 @@ impl TruthTable {
             pair: self.pair.unwrap_or(true),
             a: self.a.or(a).ok_or("a")?,
             c_mm: self.c.or(c_mm).ok_or("c")?,
+            angular_spread_mrad: self.angular_spread_mrad,
             mu: self.mu,
         })
     }

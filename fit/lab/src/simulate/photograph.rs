@@ -18,7 +18,8 @@ use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
 use crate::simulate::jpeg;
 use crate::simulate::noise::PixelNoise;
-use crate::simulate::params::{ByIncidence, Params, PlantedCamera, PlantedEdge, no_entry};
+use crate::simulate::params::{ByIncidence, Params, PlantedCamera, PlantedEdge};
+use crate::simulate::params::{PlantedSheet, no_entry};
 use crate::simulate::profile::{EdgeBlur, EdgeProfile, STEPS_PER_PIXEL, Spread};
 use edges::document::FileLine;
 use edges::names::Kernel;
@@ -38,6 +39,19 @@ use edges::names::{SpectralLine, Spectrum};
 /// # Panics
 /// Panics if `index` is not below the number of captures.
 pub(crate) fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, Error> {
+    smeared(params, index, &[(0.0, 1.0)])
+}
+
+/// Returns the same where the light of each point is displaced along the edge normal: by some
+/// offsets (pixels), with their shares.
+///
+/// # Errors
+/// Fails as [`light`] does.
+pub(crate) fn smeared(
+    params: &Params,
+    index: Option<usize>,
+    offsets_px: &[(f64, f64)],
+) -> Result<Vec<f64>, Error> {
     let camera = &params.camera;
     let (edge, blur, contrast) = match index {
         None => {
@@ -61,11 +75,19 @@ pub(crate) fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, E
         nearest(&edge, camera.height as f64, across, along) * pitch
     };
     let bent = edge.bow_px.abs() + edge.ripple_px.abs();
-    let reach_mm = (centre_x.hypot(centre_y) + edge.offset_px.abs() + bent) * pitch;
+    let farthest = offsets_px.iter().map(|(offset, _)| offset.abs());
+    let farthest = farthest.fold(0.0, f64::max);
+    let reach_mm = (centre_x.hypot(centre_y) + edge.offset_px.abs() + bent + farthest) * pitch;
     let profile = EdgeProfile::new(&blur, reach_mm, STEPS_PER_PIXEL);
     let (to_right, to_bottom) = (edge.light_to_right, edge.light_to_bottom);
+    let risen = |distance_mm: f64| -> f64 {
+        let parts = offsets_px.iter();
+        parts
+            .map(|(offset, share)| share * profile.at(distance_mm - offset * pitch))
+            .sum()
+    };
     let level = |(x, y): (usize, usize)| {
-        let share = camera.dark_ratio + (1.0 - camera.dark_ratio) * profile.at(distance_mm(x, y));
+        let share = camera.dark_ratio + (1.0 - camera.dark_ratio) * risen(distance_mm(x, y));
         let light = 1.0
             + to_right * (x as f64 - centre_x) / centre_x
             + to_bottom * (y as f64 - centre_y) / centre_y;
@@ -126,6 +148,11 @@ fn nearest(edge: &PlantedEdge, length: f64, across: f64, along: f64) -> f64 {
 /// # Panics
 /// Panics if `index` is not below the number of captures.
 pub(crate) fn photograph(params: &Params, index: Option<usize>) -> Result<Vec<f32>, Error> {
+    Ok(exposed(params, index, light(params, index)?))
+}
+
+/// Returns the pixels of a photograph of this light, with noise, rounded and clipped.
+pub(crate) fn exposed(params: &Params, index: Option<usize>, light: Vec<f64>) -> Vec<f32> {
     let camera = &params.camera;
     let steps = ((1_u64 << camera.bits) - 1) as f64;
     let number = index.map_or(0, |index| index as u64 + 1);
@@ -141,8 +168,8 @@ pub(crate) fn photograph(params: &Params, index: Option<usize>) -> Result<Vec<f3
         };
         (level.clamp(0.0, 1.0) * steps).round() / steps
     };
-    let pixels = light(params, index)?.into_iter().enumerate();
-    Ok(pixels.map(|pixel| expose(pixel) as f32).collect())
+    let pixels = light.into_iter().enumerate();
+    pixels.map(|pixel| expose(pixel) as f32).collect()
 }
 
 /// Returns the pixels of a photograph as its file has them: those of [`photograph`], through JPEG
@@ -171,6 +198,18 @@ fn source_blur(camera: &PlantedCamera, edge: &PlantedEdge) -> EdgeBlur {
         pixel_pitch_mm: camera.pixel_pitch_mm,
         sigma_mm: camera.sigma_px * camera.pixel_pitch_mm,
     }
+}
+
+/// Returns the standard deviation of the offset that the angular spread of a sheet causes along the
+/// edge normal, mm.
+///
+/// Behind a flat front, the direction is spread more in the plane of incidence: the cosine of the
+/// angle within the sheet, divided by that outside.
+fn angular_offset_mm(truth: &PlantedSheet, incidence_rad: f64, normal_rad: f64, r_mm: f64) -> f64 {
+    let within_rad = (incidence_rad.sin() / truth.refractive_index).asin();
+    let gain = within_rad.cos() / incidence_rad.cos();
+    let across_mm = 1e-3 * truth.angular_spread_mrad * r_mm;
+    across_mm * (gain * normal_rad.cos()).hypot(normal_rad.sin())
 }
 
 /// Returns the blur of a capture, and its bright level at exposure 1 without the veil.
@@ -224,13 +263,17 @@ fn aerial_blur(params: &Params, index: usize) -> Result<(EdgeBlur, f64), Error> 
     };
     let source = source_blur(camera, &shot.edge);
     let in_picture_rad = (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians();
+    // From the tangential axis towards the sagittal one, which runs down only in the mirror.
+    let normal_rad = if camera.seen_in_mirror {
+        in_picture_rad
+    } else {
+        -in_picture_rad
+    };
+    let offset_mm = angular_offset_mm(truth, incidence_rad, normal_rad, r_mm);
     let blur = EdgeBlur {
-        // From the tangential axis towards the sagittal one, which runs down only in the mirror.
-        normal_rad: if camera.seen_in_mirror {
-            in_picture_rad
-        } else {
-            -in_picture_rad
-        },
+        normal_rad,
+        // Two independent normal offsets add up to one.
+        sigma_mm: source.sigma_mm.hypot(offset_mm),
         spread,
         shifts: if truth.kernel == Kernel::Lobe {
             Vec::new()

@@ -35,6 +35,7 @@ use estimator::estimate::{CLEAR, Candidates, Ranked, own_mu_limit, scatter_of_mu
 use estimator::estimate::{Estimated, Options};
 use estimator::estimate::{Joint, Used};
 use estimator::estimate::{Optimum, refined};
+use estimator::model::Further;
 
 /// Number of standard deviations at which a difference counts as sure. Of campaigns that lie at
 /// this limit, one in 44 goes the other way.
@@ -108,6 +109,7 @@ pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
         shape: truth.lobe,
         per_angle_a: own(&truth.a),
         per_angle_mu: own(&truth.mu),
+        further: Further::NONE,
     };
     let options = Options::new(Candidates {
         shapes: vec![truth.lobe],

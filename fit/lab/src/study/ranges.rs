@@ -229,6 +229,7 @@ impl Ranges {
                 pair: self.pair,
                 a: ByIncidence::Shared(a),
                 c_mm,
+                angular_spread_mrad: 0.0,
                 mu: ByIncidence::Shared(mu),
                 spectrum: None,
             },

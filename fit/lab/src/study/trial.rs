@@ -28,6 +28,7 @@ use estimator::estimate::{Chances, Verdict};
 use estimator::estimate::{Estimate, estimate};
 use estimator::estimate::{Joint, Used};
 use estimator::estimate::{Kind, Loss};
+use estimator::model::Further;
 
 /// Parameters of a trial, in the order of its arrays.
 pub const PARAMETERS: [&str; 3] = ["c", "a", "mu"];
@@ -80,6 +81,7 @@ pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
         shape: params.truth.lobe,
         per_angle_a: false,
         per_angle_mu: false,
+        further: Further::NONE,
     };
     let shared = |values: &crate::simulate::ByIncidence| {
         values

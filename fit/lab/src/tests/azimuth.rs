@@ -9,6 +9,7 @@ use edges::names::LobeShape;
 use estimator::estimate::campaign::campaign as estimated;
 use estimator::estimate::{Azimuth, find, scatter};
 use estimator::estimate::{Candidates, Choice, Kind, Options, Progress, Scene, UnverifiedInput};
+use estimator::model::Further;
 use nalgebra::DVector;
 use tables::{Exact, Symmetry, Table};
 
@@ -60,7 +61,7 @@ fn holds_the_azimuth(scene: &Scene, table: &Table, found: &Azimuth, choice: Choi
     let misfit = (middle.chi2 / middle.residuals as f64).max(1.0);
     println!("chi-square rises by {rise:.3}, misfit {misfit:.3}");
     assert!((rise / misfit - 1.0).abs() < 0.1, "{rise} {misfit}");
-    let sides = [0.5, -0.5].map(|part| fit(part * error).logarithms());
+    let sides = [0.5, -0.5].map(|part| fit(part * error).coordinates());
     let [high, low] = sides.map(DVector::from_vec);
     let slope = high - low;
     let expected = &slope * slope.transpose();
@@ -88,6 +89,7 @@ fn a_planted_azimuth_comes_back() {
         shape: LobeShape::Radial,
         per_angle_a: false,
         per_angle_mu: true,
+        further: Further::NONE,
     };
     let incidence = [0.0, 20.0, 40.0];
     let mut stream = Stream(11);

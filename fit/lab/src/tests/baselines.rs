@@ -151,10 +151,7 @@ fn otfs_are_those_of_traced_facets() {
                     let normal = [turn.cos(), turn.sin()];
                     let model =
                         Baseline::new(kernel, theta, INDEX, normal).expect("it is a baseline");
-                    let blur = Blur {
-                        spread: rough[0],
-                        c_mm: rough[1],
-                    };
+                    let blur = Blur::new(rough[0], rough[1]);
                     for frequency in [150.0, 600.0, 1500.0] {
                         let mean = ends
                             .iter()
@@ -240,10 +237,7 @@ fn guo_is_its_jacobians_and_at_normal_incidence_two_refractions() {
         let alpha_o = 2e-3 * (1.0 / jacobian(t) + 1.0 / jacobian(i)).sqrt();
         let model =
             Baseline::new(Kernel::Guo, theta.to_radians(), INDEX, [0.6, 0.8]).expect("it is");
-        let blur = Blur {
-            spread: 2e-3,
-            c_mm: 1.0,
-        };
+        let blur = Blur::new(2e-3, 1.0);
         for (r_mm, f) in [(150.0, 0.7), (400.0, 1.1)] {
             let k = TAU * f * alpha_o * r_mm;
             let value = model.otf(LobeShape::Beckmann, blur, r_mm, f)[0].re;
@@ -252,24 +246,8 @@ fn guo_is_its_jacobians_and_at_normal_incidence_two_refractions() {
     }
     let guo = Baseline::new(Kernel::Guo, 0.0, INDEX, [1.0, 0.0]).expect("it is");
     let saito = Baseline::new(Kernel::SaitoSurface, 0.0, INDEX, [1.0, 0.0]).expect("it is");
-    let front = saito.otf(
-        LobeShape::Beckmann,
-        Blur {
-            spread: 0.0,
-            c_mm: 2e-3,
-        },
-        300.0,
-        0.9,
-    )[0];
-    let own = guo.otf(
-        LobeShape::Beckmann,
-        Blur {
-            spread: 2e-3,
-            c_mm: 0.0,
-        },
-        300.0,
-        0.9,
-    )[0];
+    let front = saito.otf(LobeShape::Beckmann, Blur::new(0.0, 2e-3), 300.0, 0.9)[0];
+    let own = guo.otf(LobeShape::Beckmann, Blur::new(2e-3, 0.0), 300.0, 0.9)[0];
     assert!((front - own).norm() < 1e-14 && own.re < 0.9);
 }
 
@@ -284,17 +262,8 @@ fn derivatives_are_differences_and_no_roughness_is_no_blur() {
     ] {
         for shape in LobeShape::MICROFACETS {
             let model = Baseline::new(kernel, 0.5, INDEX, [0.8, 0.6]).expect("it is");
-            let at = |own: f64, front: f64, f: f64| {
-                model.otf(
-                    shape,
-                    Blur {
-                        spread: own,
-                        c_mm: front,
-                    },
-                    200.0,
-                    f,
-                )
-            };
+            let at =
+                |own: f64, front: f64, f: f64| model.otf(shape, Blur::new(own, front), 200.0, f);
             for f in [0.3, 0.9, 2.0] {
                 let d = 1e-4_f64;
                 let [_, own, front] = at(8e-4, 1.5e-3, f);

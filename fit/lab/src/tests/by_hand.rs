@@ -28,6 +28,7 @@ fn numbers_by_hand_are_those_of_a_result() {
         let by_hand = ByHand {
             c_mm: 0.2,
             spread,
+            angular_spread_mrad: None,
             mu: Some(0.4),
             half_mirror: 0.2,
             pixel_pitch_mm: 0.1,

@@ -19,6 +19,7 @@ use estimator::estimate::{Estimate, estimate};
 use estimator::estimate::{Kind, Loss};
 use estimator::estimate::{refined, residuals_at};
 use estimator::model::Blur;
+use estimator::model::Further;
 use estimator::model::Model;
 use nalgebra::DVector;
 
@@ -27,6 +28,7 @@ const SHARED: Choice = Choice {
     shape: LobeShape::Radial,
     per_angle_a: false,
     per_angle_mu: false,
+    further: Further::NONE,
 };
 
 /// The simulator works in space, the model in frequency. On the same bins they must agree.
@@ -62,14 +64,10 @@ fn model_equals_noise_free_photographs() {
                     baseline: None,
                     r_mm: shot.r_mm,
                     normal: shot.normal(),
+                    further: Further::NONE,
+                    tangential_gain: 1.0,
                 };
-                let curve = shot.view.curve(
-                    &model,
-                    Blur {
-                        spread: a,
-                        c_mm: 0.31,
-                    },
-                );
+                let curve = shot.view.curve(&model, Blur::new(a, 0.31));
                 let profile = &shot.view.profile;
                 let contrast = Contrast::fit(profile, &curve.bins);
                 let bins = &curve.bins;
@@ -124,6 +122,7 @@ fn derivatives_match_differences() {
                 shape,
                 per_angle_a: true,
                 per_angle_mu: false,
+                further: Further::NONE,
             };
             let a = if kernel == Kernel::Angular {
                 600.0_f64

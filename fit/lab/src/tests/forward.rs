@@ -15,6 +15,7 @@ use estimator::estimate::{compare, curve};
 use estimator::estimate::{refined, residuals_at};
 use estimator::model::Blur;
 use estimator::model::Curve;
+use estimator::model::Further;
 use estimator::samples::Sampling;
 use estimator::samples::Sequence;
 use nalgebra::DVector;
@@ -39,6 +40,7 @@ fn choice(kernel: Kernel, shape: LobeShape) -> Choice {
         shape,
         per_angle_a: false,
         per_angle_mu: false,
+        further: Further::NONE,
     }
 }
 
@@ -89,10 +91,7 @@ fn curves_are_those_of_the_closed_form() {
     for sequence in [Sequence::Sobol, Sequence::Independent] {
         for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe] {
             for shape in LobeShape::ALL {
-                let blur = Blur {
-                    spread: spread(kernel),
-                    c_mm: 0.31,
-                };
+                let blur = Blur::new(spread(kernel), 0.31);
                 let (scene, table) = campaign(kernel, shape, blur.spread);
                 let choice = choice(kernel, shape);
                 let curves = |scene: &Scene| -> Vec<Curve> {
@@ -269,10 +268,7 @@ fn samples_do_not_depend_on_threads() {
             };
             let renders = renders(&scene, &table, sampling);
             let scene = renders.drawn(choice, 1).expect("directions");
-            let blur = Blur {
-                spread: 3.0,
-                c_mm: 0.3,
-            };
+            let blur = Blur::new(3.0, 0.3);
             let shot = &scene.shots[1];
             let part = compare(shot, None, choice, blur);
             part.difference
@@ -295,10 +291,7 @@ fn no_photograph_has_the_samples_of_another() {
     scene.shots[1] = scene.shots[0].clone();
     let choice = choice(Kernel::Eq1, LobeShape::Radial);
     let renders = renders(&scene, &table, sampling(2, Sequence::Sobol));
-    let blur = Blur {
-        spread: 3.4,
-        c_mm: 0.31,
-    };
+    let blur = Blur::new(3.4, 0.31);
     let drawn = (0..3).map(|randomisation| renders.drawn(choice, randomisation).unwrap());
     let curves: Vec<Vec<f64>> = drawn
         .flat_map(|scene| scene.shots)

@@ -14,6 +14,7 @@ mod edge;
 mod estimate;
 mod exponent;
 mod forward;
+mod further;
 mod goodness;
 mod known;
 mod lamps;

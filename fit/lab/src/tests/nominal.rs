@@ -89,6 +89,7 @@ fn no_sheet_is_sharper_than_ideal_waves() {
         let ideal = ByHand {
             c_mm: own.c_mm.and_then(|c| c.value).expect("c is known"),
             spread: Spread::Wave(Spectrum::monochromatic(550.0).expect("a wavelength")),
+            angular_spread_mrad: None,
             mu: None,
             half_mirror: 0.25,
             pixel_pitch_mm: 0.5,

@@ -18,6 +18,7 @@ use estimator::estimate::refined;
 use estimator::estimate::search::optimum::optimum;
 use estimator::estimate::{Joint, Used};
 use estimator::model::Blur;
+use estimator::model::Further;
 use nalgebra::{DMatrix, DVector};
 
 /// Residuals and nuisance derivatives of a photograph's rows, stacked.
@@ -53,10 +54,7 @@ fn nuisance_derivatives_match_differences() {
     });
     let mut photograph = Photograph::new(&pixels, scene.optics.camera.pitch_mm);
     let model = estimator::estimate::model(shot, SHARED);
-    let blur = Blur {
-        spread: 3.4,
-        c_mm: 0.31,
-    };
+    let blur = Blur::new(3.4, 0.31);
     let curves = photograph.curves(Some((&model, blur)), &scene.optics.camera, 1);
     photograph.settle(&curves);
     let at = Nuisances {
@@ -158,6 +156,7 @@ fn derivatives_of_the_likelihood_match_differences() {
                 shape,
                 per_angle_a: kernel.has_lobe(),
                 per_angle_mu: false,
+                further: Further::NONE,
             };
             let mut at: Vec<f64> = Vec::new();
             if kernel.has_c() {

@@ -41,6 +41,7 @@ fn params() -> Params {
             pair: true,
             a: ByIncidence::Table(vec![(0.0, 4.9), (20.0, 3.75)]),
             c_mm: 0.24,
+            angular_spread_mrad: 0.0,
             mu: ByIncidence::Shared(0.5),
         },
         reference: Some(PlantedEdge::SOURCE),

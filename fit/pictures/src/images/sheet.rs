@@ -11,10 +11,12 @@ use edges::names::LobeShape;
 use estimator::Error;
 use estimator::model::Baseline;
 use estimator::model::Blur;
+use estimator::model::further;
 use estimator::model::wave;
 use estimator::predict::Fitted;
 use estimator::samples::ShiftSampler;
 use estimator::samples::has_samples;
+use estimator::samples::normals;
 use tables::WaveLine;
 
 impl Sheet for Fitted<'_> {
@@ -42,6 +44,11 @@ impl Sheet for Fitted<'_> {
         let lobe = kernel
             .has_lobe()
             .then(|| (shape, blur.spread / kernel.distance_scale(place.r_mm)));
+        let gain = self.tangential_gain(place.incidence_deg);
+        let variance_mm2 = |normal| {
+            let per_mrad2 = further::variance_per_mrad2(place.r_mm, normal, gain);
+            blur.angular_spread_mrad2 * per_mrad2
+        };
         let mut spot = FittedSpot {
             sheet: *self,
             place: *place,
@@ -51,14 +58,22 @@ impl Sheet for Fitted<'_> {
             returns,
             shift,
             lobe,
+            angular_mm: [[1.0, 0.0], [0.0, 1.0]].map(|axis| variance_mm2(axis).sqrt()),
             reach_mm: 0.0,
             end_per_mm: f64::INFINITY,
         };
         spot.reach_mm = spot.reach()?;
+        if returns {
+            let widest = spot.angular_mm[0].max(spot.angular_mm[1]);
+            spot.reach_mm += REACH * widest;
+        }
         spot.end_per_mm = spot.end();
         Ok(Box::new(spot))
     }
 }
+
+/// Standard deviations that contain all but [`TAIL`] of a normal distribution.
+const REACH: f64 = 3.0903;
 
 /// Spot of the fitted sheet at one place.
 struct FittedSpot<'a> {
@@ -78,6 +93,8 @@ struct FittedSpot<'a> {
     shift: Option<ShiftPlane>,
     /// Shape of the lobe, and its a in 1/mm; `None` for a kernel without a lobe.
     lobe: Option<(LobeShape, f64)>,
+    /// Standard deviation of the offset that the angular spread causes, (tangential, sagittal) mm.
+    angular_mm: [f64; 2],
     /// Distance that contains all but [`TAIL`] of the light along each axis, mm.
     reach_mm: f64,
     /// Frequency beyond which waves pass nothing, 1/mm; infinite for the other kernels.
@@ -151,15 +168,9 @@ impl FittedSpot<'_> {
     }
 }
 
-impl Spot for FittedSpot<'_> {
-    fn energy(&self) -> Option<f64> {
-        self.energy
-    }
-
-    fn otf(&self, frequency: [f64; 2]) -> Complex64 {
-        if !self.returns {
-            return Complex64::ZERO;
-        }
+impl FittedSpot<'_> {
+    /// Evaluates the OTF of the kernel.
+    fn of_kernel(&self, frequency: [f64; 2]) -> Complex64 {
         let modulus = frequency[0].hypot(frequency[1]);
         if modulus > self.end_per_mm {
             return Complex64::ZERO;
@@ -187,6 +198,23 @@ impl Spot for FittedSpot<'_> {
         let shift = self.shift.as_ref();
         shift.map_or(Complex64::ONE, |shift| shift.otf(frequency)) * lobe
     }
+}
+
+impl Spot for FittedSpot<'_> {
+    fn energy(&self) -> Option<f64> {
+        self.energy
+    }
+
+    fn otf(&self, frequency: [f64; 2]) -> Complex64 {
+        if !self.returns {
+            return Complex64::ZERO;
+        }
+        // The offset along the frequency times the frequency: a number without unit.
+        let along = self.angular_mm[0] * frequency[0];
+        let across = self.angular_mm[1] * frequency[1];
+        let angular = further::otf(along * along + across * across, 1.0);
+        self.of_kernel(frequency) * angular
+    }
 
     fn reach_mm(&self) -> f64 {
         self.reach_mm
@@ -202,8 +230,9 @@ impl Spot for FittedSpot<'_> {
         };
         let lobe = self.lobe;
         let c_mm = self.blur.c_mm;
+        let angular_mm = self.angular_mm;
         let tangential_mm = c_mm * self.place.incidence_deg.to_radians().cos();
-        Some(Box::new(move |[u, v, w, z]| {
+        Some(Box::new(move |point @ [u, v, w, z]| {
             let mut at = [0.0; 2];
             if let Some(shift) = &shift {
                 // The shift includes the deviations here.
@@ -213,6 +242,13 @@ impl Spot for FittedSpot<'_> {
             if let Some((lobe, a)) = lobe {
                 let [along, across] = lobe.offset([w, z]);
                 at = [at[0] + along / a, at[1] + across / a];
+            }
+            if angular_mm[1] > 0.0 {
+                let [along, across] = normals(point);
+                at = [
+                    at[0] + angular_mm[0] * along,
+                    at[1] + angular_mm[1] * across,
+                ];
             }
             at
         }))

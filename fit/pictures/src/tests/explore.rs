@@ -32,6 +32,7 @@ fn result(kernel: Kernel, lobe: Option<LobeShape>, table: TableResult) -> Result
     let sheet = ByHand {
         c_mm: 0.2,
         spread: Spread::Lobe(4.5),
+        angular_spread_mrad: None,
         mu: Some(0.4),
         half_mirror: 0.2,
         pixel_pitch_mm: 0.1,

@@ -26,6 +26,8 @@ pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     let mut rows = Rows { text, truth };
     let sizes = [result.c_mm, result.surface_roughness].map(|size| size.map(Parameter::Shared));
     let azimuth = result.azimuth_deg.map(Parameter::Shared);
+    let further =
+        [result.own_blur_px, result.angular_spread_mrad].map(|own| own.map(Parameter::Shared));
     // Roughnesses are shown in thousandths.
     let parameters = [
         ("c (mm)", ParameterKind::CornerSize, 1.0, &sizes[0]),
@@ -43,6 +45,13 @@ pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
         ),
         ("a (1/mm)", ParameterKind::APerMm, 1.0, &result.a_per_mm),
         ("a R", ParameterKind::ATimesR, 1.0, &result.a_times_r),
+        ("blur (px)", ParameterKind::OwnBlur, 1.0, &further[0]),
+        (
+            "spread(mrad)",
+            ParameterKind::AngularSpread,
+            1.0,
+            &further[1],
+        ),
         ("mu", ParameterKind::Mu, 1.0, &result.mu),
         ("azimuth (°)", ParameterKind::Azimuth, 1.0, &azimuth),
     ];

@@ -72,6 +72,19 @@ pub(crate) struct Numbers {
         conflicts_with = "sheet"
     )]
     pub a_times_r: Option<f64>,
+    /// Angular spread of the returned light, mrad: standard deviation across the plane of incidence,
+    /// outside of the sheet.
+    ///
+    /// It describes cubes whose dihedral angles differ from cell to cell: independent errors of e
+    /// mrad spread the light by 2 e times the refractive index.
+    #[arg(
+        long,
+        value_name = "MRAD",
+        value_parser = parse::positive,
+        allow_negative_numbers = true,
+        requires = "own_sheet"
+    )]
+    pub angular_spread_mrad: Option<f64>,
     /// Reflectance mu of the sheet.
     ///
     /// Without it the luminance is not known, and an image has the brightness of its source. A
@@ -160,7 +173,9 @@ impl Numbers {
                 );
                 return Err(Failure::conflict(verb, message));
             }
-            return Ok(sheet.result(own, self.mu, half_mirror, pixel_pitch_mm));
+            let mut result = sheet.result(own, self.mu, half_mirror, pixel_pitch_mm);
+            result.spread_by_mrad(self.angular_spread_mrad);
+            return Ok(result);
         }
         let Some(c_mm) = self.c else {
             let message = "give a result, a --sheet, or the numbers of a sheet: --c with \
@@ -180,6 +195,7 @@ impl Numbers {
         let sheet = ByHand {
             c_mm,
             spread,
+            angular_spread_mrad: self.angular_spread_mrad,
             mu: self.mu,
             half_mirror,
             pixel_pitch_mm,

@@ -17,6 +17,7 @@ use crate::estimate::search::fitted::estimate;
 use crate::estimate::search::layout::{Choice, Value};
 use crate::estimate::search::loss::{Kind, Loss};
 use crate::estimate::search::optimum::{Optimum, optimum, refined};
+use crate::model::Further;
 use edges::names::Kernel;
 use edges::names::LobeShape;
 
@@ -123,6 +124,7 @@ pub(crate) fn flexible(scene: &Scene) -> Choice {
         shape: LobeShape::Radial,
         per_angle_a: several,
         per_angle_mu: several,
+        further: Further::NONE,
     }
 }
 
@@ -238,7 +240,7 @@ pub fn scatter(
         let near = optimum(scene, choice);
         let loss = Loss::new(kind, scene, (choice, &near.solution.parameters));
         let fit = estimate(scene, &loss, refined(scene, &loss, near));
-        sides.push(fit.logarithms());
+        sides.push(fit.coordinates());
     }
     let half: Vec<f64> = sides[0]
         .iter()

@@ -54,7 +54,8 @@ pub const RISE: f64 = 2.706;
 /// that on the standard errors, which `fit` does not have yet.
 pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> Bounds {
     let mut found = Bounds::new();
-    for i in 0..fit.blur_parameters() {
+    // A further blur is only there if it is significant.
+    for i in 0..fit.kernel_parameters() {
         let relative = (unit * fit.covariance[(i, i)]).sqrt() / fit.solution.parameters[i].exp();
         if relative.is_finite() && relative < MEANINGLESS {
             continue;

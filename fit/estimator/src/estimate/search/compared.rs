@@ -9,6 +9,7 @@ use crate::estimate::search::layout::Layout;
 use crate::model::Baseline;
 use crate::model::Blur;
 use crate::model::Camera;
+use crate::model::further::tangential_gain;
 use crate::model::{Curve, Model};
 
 /// Model of one photograph with its derivatives.
@@ -19,7 +20,8 @@ pub struct Compared {
     pub modelled: Vec<f64>,
     /// Differences of the modelled and the measured MTF, without weights.
     pub difference: Vec<f64>,
-    /// Derivatives of the MTF by ln spread and ln c, as far as the kernel has them.
+    /// Derivatives of the MTF by ln spread, ln c and the variances of further blurs, as far as the
+    /// candidate has them.
     pub derivatives: Vec<Vec<f64>>,
 }
 
@@ -38,6 +40,11 @@ pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
         ),
         r_mm: shot.r_mm,
         normal: shot.normal(),
+        further: choice.further,
+        tangential_gain: tangential_gain(
+            shot.incidence_deg.to_radians(),
+            shot.direction.refractive_index,
+        ),
     }
 }
 
@@ -60,12 +67,7 @@ pub fn curve(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur)
 /// Compares a photograph's MTF with that of a model. [`curve`] explains `camera`.
 pub fn compare(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur) -> Compared {
     let curve = curve(shot, camera, choice, blur);
-    let by: Vec<Vec<f64>> = curve
-        .by_ln_spread
-        .iter()
-        .chain(&curve.by_ln_c)
-        .cloned()
-        .collect();
+    let by: Vec<Vec<f64>> = curve.derivatives().cloned().collect();
     let (modelled, derivatives) = shot.view.predict(&curve.bins, &by);
     let difference: Vec<f64> = modelled
         .iter()

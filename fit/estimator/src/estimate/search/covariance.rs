@@ -14,7 +14,7 @@ use edges::numerics::Solution;
 
 /// Covariances of the logarithms of the parameters.
 pub struct Covariances {
-    /// Covariance of ln c and ln spread.
+    /// Covariance of ln c, ln spread and the variances of further blurs.
     pub blur: DMatrix<f64>,
     /// Reflectances with their covariance; `None` without a reference photograph.
     pub mu: Option<Mu>,
@@ -202,7 +202,7 @@ impl Linear<'_> {
         let mut eta_error = DMatrix::<f64>::zeros(groups, scene.groups.len());
         for (i, (shot, part)) in scene.shots.iter().zip(self.parts).enumerate() {
             let (g, share) = (layout.mu_group(shot.group), shares[i]);
-            let changes = part.curve.by_ln_spread.iter().chain(&part.curve.by_ln_c);
+            let changes = part.curve.derivatives();
             for (column, change) in layout.columns(shot.group).into_iter().zip(changes) {
                 by_blur[(g, column)] += share * contrasts[i].relative_change(change);
             }

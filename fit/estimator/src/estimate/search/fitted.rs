@@ -33,12 +33,23 @@ pub struct Estimate {
     /// Spread: a (1/mm), A = a R for `angular`, or the roughness of a baseline. It has one value,
     /// or one per incidence, and is empty for `shift` and `wave`.
     pub spread: Vec<Value>,
+    /// Blur of the mid-air photographs that the reference does not have: the standard deviation of a
+    /// Gaussian, pixels, negative if the reference is less sharp; `None` if the candidate has no such
+    /// blur.
+    pub own_blur_px: Option<Value>,
+    /// Standard deviation of the direction of the returned light across the plane of incidence,
+    /// mrad; `None` if the candidate has no such spread.
+    pub angular_spread_mrad: Option<Value>,
     /// Reflectance mu, one value or one per incidence; `None` without a reference photograph.
     pub mu: Option<Vec<Value>>,
     /// Differences between the light of the photographs and that which mu gives; `None` like mu.
     pub scatter: Option<Scatter>,
-    /// Parameters in the order of the covariance's rows: c, the spreads, mu.
+    /// Parameters in the order of the covariance's rows: c, the spreads, own blur, angular spread,
+    /// mu.
     pub parameters: Vec<ParameterId>,
+    /// Derivatives of the values by the coordinates in which the problem is about linear: the
+    /// solver's parameters, and ln mu.
+    pub slopes: Vec<f64>,
     /// Covariance of all parameters.
     pub covariance: DMatrix<f64>,
     /// Sum of squares of the residuals in units of their noise. For `mse` it is that of the MTFs at
@@ -71,18 +82,35 @@ pub struct SamplingError {
 impl Estimate {
     /// Returns the number of parameters of the blur.
     pub fn blur_parameters(&self) -> usize {
+        self.kernel_parameters() + self.choice.further.count()
+    }
+
+    /// Returns the number of parameters of the kernel: c and the spreads.
+    pub fn kernel_parameters(&self) -> usize {
         usize::from(self.c_mm.is_some()) + self.spread.len()
     }
 
     /// Returns all values in the order of `parameters`.
     pub fn values(&self) -> impl Iterator<Item = &Value> {
-        let blur = self.c_mm.iter().chain(&self.spread);
-        blur.chain(self.mu.iter().flatten())
+        let kernel = self.c_mm.iter().chain(&self.spread);
+        let further = self.own_blur_px.iter().chain(&self.angular_spread_mrad);
+        kernel.chain(further).chain(self.mu.iter().flatten())
     }
 
-    /// Returns the logarithms of all values in the order of `parameters`.
-    pub fn logarithms(&self) -> Vec<f64> {
-        self.values().map(|value| value.value.ln()).collect()
+    /// Returns the coordinates in which the problem is about linear, in the order of `parameters`:
+    /// the logarithms of c, the spreads and mu, and the variances of further blurs.
+    pub fn coordinates(&self) -> Vec<f64> {
+        let further = self.kernel_parameters()..self.blur_parameters();
+        let values = self.values().enumerate();
+        values
+            .map(|(i, value)| {
+                if further.contains(&i) {
+                    self.solution.parameters[i]
+                } else {
+                    value.value.ln()
+                }
+            })
+            .collect()
     }
 
     /// Adds the scatter of the estimates by their samples to the errors, and records it.
@@ -94,20 +122,26 @@ impl Estimate {
         });
     }
 
-    /// Adds a covariance of the logarithms of all parameters, in the order of `parameters`, to
-    /// covariance and standard errors. Returns the standard deviations that it alone causes.
+    /// Adds a covariance of the [`coordinates`](Estimate::coordinates), in the order of
+    /// `parameters`, to covariance and standard errors. Returns the standard deviations that it
+    /// alone causes.
     pub fn add_scatter(&mut self, scatter: &DMatrix<f64>) -> Vec<f64> {
-        let values = self.c_mm.iter_mut().chain(&mut self.spread);
-        let mut values: Vec<&mut Value> = values.chain(self.mu.iter_mut().flatten()).collect();
-        let n = values.len();
-        let own = DMatrix::from_fn(n, n, |i, j| {
-            scatter[(i, j)] * values[i].value * values[j].value
-        });
+        let slopes = &self.slopes;
+        let n = slopes.len();
+        let own = DMatrix::from_fn(n, n, |i, j| scatter[(i, j)] * slopes[i] * slopes[j]);
         self.covariance += &own;
-        for (i, value) in values.iter_mut().enumerate() {
+        for (i, value) in self.values_mut().enumerate() {
             value.standard_error = value.standard_error.hypot(own[(i, i)].sqrt());
         }
         (0..n).map(|i| own[(i, i)].sqrt()).collect()
+    }
+
+    /// Returns all values in the order of `parameters`.
+    fn values_mut(&mut self) -> impl Iterator<Item = &mut Value> {
+        let kernel = self.c_mm.iter_mut().chain(&mut self.spread);
+        let own = &mut self.own_blur_px;
+        let further = own.iter_mut().chain(&mut self.angular_spread_mrad);
+        kernel.chain(further).chain(self.mu.iter_mut().flatten())
     }
 
     /// Multiplies the standard errors of the blur by the first number and those of mu by the
@@ -117,11 +151,8 @@ impl Estimate {
         let by = |i: usize| if i < blur { of_blur } else { of_mu };
         let n = self.parameters.len();
         self.covariance = DMatrix::from_fn(n, n, |i, j| self.covariance[(i, j)] * by(i) * by(j));
-        for value in self.c_mm.iter_mut().chain(&mut self.spread) {
-            value.standard_error *= of_blur;
-        }
-        for value in self.mu.iter_mut().flatten() {
-            value.standard_error *= of_mu;
+        for (i, value) in self.values_mut().enumerate() {
+            value.standard_error *= by(i);
         }
     }
 
@@ -176,23 +207,35 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         let kind = ParameterKind::spread_of(choice.kernel);
         parameters.extend(kind.each(&scene.groups, choice.per_angle_a));
     }
-    let mut scale: Vec<f64> = solution
-        .parameters
-        .iter()
-        .take(p)
-        .map(|p| p.exp())
-        .collect();
-    let mut logarithms = found.blur;
+    let kernel = layout.logarithms();
+    let logarithms = solution.parameters.iter().take(kernel);
+    let mut values: Vec<f64> = logarithms.map(|p| p.exp()).collect();
+    let mut slopes = values.clone();
+    let pitch_mm = scene.optics.camera.pitch_mm;
+    let further = [
+        (layout.own_blur(), ParameterKind::OwnBlur, pitch_mm),
+        (layout.angular_spread(), ParameterKind::AngularSpread, 1.0),
+    ];
+    for (column, kind, unit) in further {
+        if let Some(column) = column {
+            parameters.push(kind.shared());
+            let [value, slope] = deviation(solution.parameters[column], unit);
+            values.push(value);
+            slopes.push(slope);
+        }
+    }
+    let mut coordinates = found.blur;
     let mut scatter = None;
     let mu = found.mu.map(|mu| {
         parameters.extend(ParameterKind::Mu.each(&scene.groups, choice.per_angle_mu));
-        scale.extend(&mu.values);
-        logarithms = mu.covariance;
+        values.extend(&mu.values);
+        slopes.extend(&mu.values);
+        coordinates = mu.covariance;
         scatter = Some(mu.scatter);
         mu.values
     });
     let covariance = DMatrix::from_fn(parameters.len(), parameters.len(), |i, j| {
-        logarithms[(i, j)] * scale[i] * scale[j]
+        coordinates[(i, j)] * slopes[i] * slopes[j]
     });
     // A parameter on which the photographs do not depend has an infinite error.
     let value = |i: usize| {
@@ -203,14 +246,16 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
             f64::INFINITY
         };
         Value {
-            value: scale[i],
+            value: values[i],
             standard_error,
         }
     };
     Estimate {
         choice,
         c_mm: layout.c().map(value),
-        spread: (p - layout.spreads..p).map(value).collect(),
+        spread: (kernel - layout.spreads..kernel).map(value).collect(),
+        own_blur_px: layout.own_blur().map(value),
+        angular_spread_mrad: layout.angular_spread().map(value),
         mu: mu.map(|mu| (p..p + mu.len()).map(value).collect()),
         scatter,
         chi2,
@@ -219,10 +264,20 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         losses: mean_squares(scene, &parts),
         modelled: parts.into_iter().map(|part| part.modelled).collect(),
         parameters,
+        slopes,
         covariance,
         solution,
         sampling: None,
     }
+}
+
+/// Returns the standard deviation of a variance, in a unit, with the sign of the variance, and its
+/// derivative by the variance.
+fn deviation(variance: f64, unit: f64) -> [f64; 2] {
+    let deviation = variance.abs().sqrt();
+    // A variance of 0 has no derivative. No candidate keeps a blur that is near 0.
+    let slope = 0.5 / deviation.max(f64::MIN_POSITIVE);
+    [deviation.copysign(variance) / unit, slope / unit]
 }
 
 /// Compares each photograph with its model at the optimum, seen by the camera that the loss found.

@@ -1,8 +1,10 @@
-//! The parameters of a candidate, and their order in the solver's vector: [ln c] [ln spread ...].
+//! The parameters of a candidate, and their order in the solver's vector: [ln c] [ln spread ...]
+//! [own blur] [angular spread]. The last two are variances, in mm^2 and mrad^2.
 
 use nalgebra::DVector;
 
 use crate::model::Blur;
+use crate::model::Further;
 use edges::names::{Kernel, LobeShape};
 
 /// Candidate: the terms of its blur, and which parameters have one value per incidence.
@@ -16,6 +18,8 @@ pub struct Choice {
     pub per_angle_a: bool,
     /// True for one mu per incidence, false for one mu for all.
     pub per_angle_mu: bool,
+    /// Gaussian blurs beside the kernel.
+    pub further: Further,
 }
 
 /// A number and its standard error.
@@ -71,15 +75,36 @@ impl Layout {
 
     /// Returns the number of parameters.
     pub fn parameters(&self) -> usize {
+        self.logarithms() + self.choice.further.count()
+    }
+
+    /// Returns the number of parameters that are logarithms. They come before the others.
+    pub fn logarithms(&self) -> usize {
         usize::from(self.choice.kernel.has_c()) + self.spreads
+    }
+
+    /// Returns the column of the variance of the own blur, or `None` if the candidate has none.
+    pub fn own_blur(&self) -> Option<usize> {
+        self.choice.further.own_blur.then(|| self.logarithms())
+    }
+
+    /// Returns the column of the variance of the angular spread, or `None` if the candidate has
+    /// none.
+    pub fn angular_spread(&self) -> Option<usize> {
+        let further = self.choice.further;
+        let before = usize::from(further.own_blur);
+        further.angular_spread.then(|| self.logarithms() + before)
     }
 
     /// Returns the blur of an incidence at these parameters.
     pub fn blur(&self, parameters: &DVector<f64>, group: usize) -> Blur {
         let at = |i: Option<usize>| i.map_or(1.0, |i| within(parameters[i]).exp());
+        let variance = |i: Option<usize>| i.map_or(0.0, |i| parameters[i]);
         Blur {
             spread: at(self.spread(group)),
             c_mm: at(self.c()),
+            own_blur_mm2: variance(self.own_blur()),
+            angular_spread_mrad2: variance(self.angular_spread()),
         }
     }
 
@@ -88,13 +113,14 @@ impl Layout {
     /// Their standard errors are then those at the limit, which are wide. Far beyond it c itself
     /// becomes 0, and so would its standard error.
     pub fn limit(&self, parameters: &mut DVector<f64>) {
-        let blur = parameters.iter_mut().take(self.parameters());
+        let blur = parameters.iter_mut().take(self.logarithms());
         blur.for_each(|value| *value = within(*value));
     }
 
     /// Returns the columns of the parameters on which one photograph depends, in the order of its
-    /// derivatives (spread, c).
+    /// derivatives (spread, c, further blurs).
     pub fn columns(&self, group: usize) -> Vec<usize> {
-        self.spread(group).into_iter().chain(self.c()).collect()
+        let kernel = self.spread(group).into_iter().chain(self.c());
+        kernel.chain(self.logarithms()..self.parameters()).collect()
     }
 }

@@ -8,6 +8,7 @@ pub(crate) mod compared;
 pub(crate) mod covariance;
 pub mod fitted;
 pub mod forward;
+pub(crate) mod further;
 pub(crate) mod joint;
 pub mod layout;
 pub mod loss;

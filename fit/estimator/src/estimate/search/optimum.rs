@@ -14,7 +14,8 @@ use edges::numerics::{CONVERGED, Evaluation, Solution, least_squares, least_squa
 pub struct Optimum {
     /// Candidate that was fitted.
     pub choice: Choice,
-    /// Result of the solver. Its parameters are ln c, ln spread and, for `edge`, those of the lens.
+    /// Result of the solver. Its parameters are ln c, ln spread, the variances of further blurs and,
+    /// for `edge`, those of the lens.
     pub solution: Solution,
     /// Number of independent numbers that were compared.
     pub observations: usize,
@@ -56,6 +57,8 @@ pub fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> O
         let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();
         let c = choice.kernel.has_c().then(|| start.c_mm.ln());
         let point = c.into_iter().chain((0..layout.spreads).map(spread));
+        // A further blur begins with none.
+        let point = point.chain(std::iter::repeat_n(0.0, choice.further.count()));
         let point = DVector::from_iterator(layout.parameters(), point);
         let mut solution = least_squares(point, ROUGH, |at| loss.evaluate(&layout, at));
         layout.limit(&mut solution.parameters);
@@ -235,6 +238,7 @@ pub fn residuals_at(
 mod tests {
     use super::*;
     use crate::estimate::search::select::{CLEAR, own_mu_limit};
+    use crate::model::Further;
     use edges::names::{Kernel, LobeShape};
     use edges::numerics::Stop;
 
@@ -246,6 +250,7 @@ mod tests {
                 shape: LobeShape::Radial,
                 per_angle_a: false,
                 per_angle_mu: false,
+                further: Further::NONE,
             },
             solution: Solution {
                 parameters: DVector::zeros(parameters),

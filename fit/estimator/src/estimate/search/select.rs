@@ -24,6 +24,7 @@ use crate::estimate::search::layout::Layout;
 use crate::estimate::search::loss::{Kind, Loss};
 use crate::estimate::search::optimum::{Optimum, refined, rough, rough_from, unrefined, widened};
 use crate::estimate::search::start;
+use crate::model::Further;
 use crate::model::wave;
 use crate::samples::has_samples;
 use edges::names::Kernel;
@@ -44,7 +45,7 @@ pub const CLEAR: f64 = 4.0;
 /// Ratio to the best first criterion above which a candidate is not refined. Its criterion in the
 /// report is then accurate to a thousandth. This is a convention that saves time. It loses a
 /// candidate that is so far behind by the MTFs and would win by the pixels.
-const HOPELESS: f64 = 3.0;
+pub(super) const HOPELESS: f64 = 3.0;
 
 /// Terms among which the photographs decide. Each combination is a candidate.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -167,7 +168,7 @@ pub struct Ranked {
     pub chi2: f64,
     /// Number of parameters of the blur.
     pub parameters: usize,
-    /// Parameters at the optimum: ln c, ln spread.
+    /// Parameters of the blur at the optimum, in the order of [`Layout`].
     pub at: DVector<f64>,
 }
 
@@ -234,17 +235,7 @@ pub fn select<'a>(
         .position(|fit| fit.criterion(scale) <= least + CLEAR)
         .unwrap_or(0);
     let chosen = fits.swap_remove(chosen);
-    let shared_mu = Optimum {
-        choice: Choice {
-            per_angle_mu: false,
-            ..chosen.choice
-        },
-        ..chosen.clone()
-    };
-    let mut best = estimate(scene, &loss, chosen);
-    if open.per_angle_mu.is_none() && best.choice.per_angle_mu && !needs_own_mu(scene, &best) {
-        best = estimate(scene, &loss, shared_mu);
-    }
+    let best = with_mu(scene, &loss, open, chosen);
     progress.done(Step::Chosen)?;
     Ok(Selection {
         loss,
@@ -252,6 +243,23 @@ pub fn select<'a>(
         best,
         compared,
     })
+}
+
+/// Returns the estimate of a candidate, with one mu for all incidences unless the photographs need
+/// more.
+pub(super) fn with_mu(scene: &Scene, loss: &Loss, open: &Candidates, chosen: Optimum) -> Estimate {
+    let shared_mu = Optimum {
+        choice: Choice {
+            per_angle_mu: false,
+            ..chosen.choice
+        },
+        ..chosen.clone()
+    };
+    let best = estimate(scene, loss, chosen);
+    if open.per_angle_mu.is_none() && best.choice.per_angle_mu && !needs_own_mu(scene, &best) {
+        return estimate(scene, loss, shared_mu);
+    }
+    best
 }
 
 /// Returns the rows of all candidates, best criterion first.
@@ -348,6 +356,7 @@ fn choices(scene: &Scene, open: &Candidates) -> Vec<Choice> {
                     shape,
                     per_angle_a,
                     per_angle_mu: open.per_angle_mu.unwrap_or(several),
+                    further: Further::NONE,
                 });
             }
         }

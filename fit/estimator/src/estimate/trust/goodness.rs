@@ -229,8 +229,8 @@ fn of_sums(remainders: &[Remainder], of: fn(&Remainder) -> &Vec<f64>) -> f64 {
     chance::of_squares(squares, freedom)
 }
 
-/// Changes of the blur's parameters, as logarithms, if one photograph is left out: to first order,
-/// by one Gauss-Newton step each.
+/// Changes of the solver's parameters if one photograph is left out: to first order, by one
+/// Gauss-Newton step each.
 pub struct LeftOut {
     /// Changes without each photograph in turn.
     pub each: Vec<DVector<f64>>,
@@ -274,8 +274,10 @@ impl LeftOut {
     /// Returns the largest change of a parameter, in standard errors, without photograph `i`.
     pub fn moved(&self, i: usize, fit: &Estimate) -> Option<f64> {
         let changes = self.each.get(i)?;
-        let blur = fit.values().take(fit.blur_parameters()).zip(changes);
-        let moved = blur.map(|(value, change)| change.abs() * value.value / value.standard_error);
+        let values = fit.values().zip(&fit.slopes).take(fit.blur_parameters());
+        let moved = values
+            .zip(changes)
+            .map(|((value, slope), change)| change.abs() * slope / value.standard_error);
         // A change that is no number counts as large.
         Some(moved.fold(0.0, |most, moved| if moved <= most { most } else { moved }))
     }
@@ -284,8 +286,9 @@ impl LeftOut {
     /// over the kinds of parameters of the blur, each the root of the mean square over its angles.
     pub fn scale(&self, scene: &Scene, fit: &Estimate) -> f64 {
         let mut kinds: Vec<(ParameterKind, f64, f64)> = Vec::new();
-        let blur = fit.parameters.iter().zip(fit.values());
-        for (k, (id, value)) in blur.enumerate().take(fit.blur_parameters()) {
+        let values = fit.values().zip(&fit.slopes);
+        let blur = fit.parameters.iter().zip(values);
+        for (k, (id, (value, slope))) in blur.enumerate().take(fit.blur_parameters()) {
             let at_angle = |i: usize| {
                 let shot = scene.shots.get(i);
                 let apart = shot.zip(id.incidence_deg);
@@ -299,7 +302,7 @@ impl LeftOut {
                 .map(|change| change[k])
                 .filter(|change| change.is_finite())
                 .collect();
-            let ratio = variance(&own) * (value.value / value.standard_error).powi(2);
+            let ratio = variance(&own) * (slope / value.standard_error).powi(2);
             if own.len() < 2 || !ratio.is_finite() {
                 continue;
             }

@@ -37,6 +37,10 @@ const STEP: f64 = 1.01;
 /// Text of [`STEP`].
 const ONE_PERCENT: &str = "1 %";
 
+/// Step of the blur of the mid-air photographs that the reference does not have: standard deviation,
+/// pixels. Another focus by a tenth of a millimetre in the camera causes as much.
+const OWN_BLUR_PX: f64 = 0.3;
+
 /// Number that is taken on trust.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -59,6 +63,8 @@ pub enum UnverifiedInput {
     AzimuthDeg,
     /// Tangential axes of all photographs, degrees.
     TangentialAxisDeg,
+    /// Lens: that the mid-air photographs are as sharp as the reference.
+    Lens,
     /// Cell of the table.
     Cell,
 }
@@ -76,6 +82,7 @@ impl UnverifiedInput {
             UnverifiedInput::IncidenceDeg => "incidence_deg",
             UnverifiedInput::AzimuthDeg => "azimuth_deg",
             UnverifiedInput::TangentialAxisDeg => "tangential_axis_deg",
+            UnverifiedInput::Lens => "lens",
             UnverifiedInput::Cell => "cell",
         }
     }
@@ -128,7 +135,7 @@ pub struct Doubted<'a> {
     pub azimuth_found: bool,
 }
 
-/// Changes of the logarithms of all parameters: c, the spreads, mu.
+/// Changes of the coordinates of all parameters, see [`Estimate::coordinates`].
 type Changes = Vec<f64>;
 
 /// How the change of the estimate in a perturbed scene is computed.
@@ -146,7 +153,7 @@ impl Doubted<'_> {
         // Samples give another optimum than the closed form, in which the effects are computed.
         let base = match self.best.sampling {
             Some(_) => self.found(self.scene, Solve::Fit),
-            None => Some(self.best.logarithms()),
+            None => Some(self.best.coordinates()),
         };
         let doubts = Doubts {
             doubted: self,
@@ -154,11 +161,17 @@ impl Doubted<'_> {
         };
         let mut all = doubts.scales();
         all.extend(doubts.angles());
+        // An own blur that was fitted is not taken on trust, nor is a lens without a reference.
+        if self.scene.reference.is_some() && self.best.own_blur_px.is_none() {
+            let step = format!("{OWN_BLUR_PX} px of further blur");
+            let changes = doubts.blurred(OWN_BLUR_PX);
+            all.push(doubts.entry(UnverifiedInput::Lens, None, &step, changes));
+        }
         all.extend(doubts.cells());
         all
     }
 
-    /// Returns the logarithms of all parameters in another scene, or `None` if a photograph has no
+    /// Returns the coordinates of all parameters in another scene, or `None` if a photograph has no
     /// light there or the candidate fails.
     fn found(&self, scene: &Scene, solve: Solve) -> Option<Vec<f64>> {
         if !scene.is_lit() || scene.groups.len() != self.scene.groups.len() {
@@ -171,16 +184,23 @@ impl Doubted<'_> {
         };
         let loss = Loss::new(self.kind, scene, (near.choice, &near.solution.parameters));
         let found = match solve {
-            Solve::Step => self.stepped(scene, &loss, near)?,
+            Solve::Step => self.stepped(scene, &loss, near, None)?,
             Solve::Fit => refined(scene, &loss, near),
         };
         let is_found = found.solution.stop != Stop::Failed;
-        is_found.then(|| estimate(scene, &loss, found).logarithms())
+        is_found.then(|| estimate(scene, &loss, found).coordinates())
     }
 
-    /// Makes one step of Gauss and Newton. Parameters that are only bounded stay. Returns `None` if
-    /// a parameter would change by more than a factor of e, where the step has no meaning.
-    fn stepped(&self, scene: &Scene, loss: &Loss, from: Optimum) -> Option<Optimum> {
+    /// Makes one step of Gauss and Newton. Parameters that are only bounded stay, and so does that of
+    /// the column `fixed`. Returns `None` if a parameter would change by more than a factor of e,
+    /// where the step has no meaning.
+    fn stepped(
+        &self,
+        scene: &Scene,
+        loss: &Loss,
+        from: Optimum,
+        fixed: Option<usize>,
+    ) -> Option<Optimum> {
         let layout = Layout::new(from.choice, scene.groups.len());
         let start = from.solution.parameters;
         let (residuals, jacobian) = loss.evaluate(&layout, &start);
@@ -196,6 +216,9 @@ impl Doubted<'_> {
                 free.column_mut(i).fill(0.0);
             }
         }
+        if let Some(fixed) = fixed {
+            free.column_mut(fixed).fill(0.0);
+        }
         let normal = free.tr_mul(&free);
         if normal.iter().any(|entry| !entry.is_finite()) {
             return None;
@@ -203,7 +226,8 @@ impl Doubted<'_> {
         let normal = normal.svd(true, true);
         let least = f64::EPSILON * normal.singular_values.max();
         let step = normal.solve(&free.tr_mul(&residuals), least).ok()?;
-        step.iter().all(|by| by.abs() < 1.0).then(|| Optimum {
+        let mut logarithms = step.iter().take(layout.logarithms());
+        logarithms.all(|by| by.abs() < 1.0).then(|| Optimum {
             choice: from.choice,
             solution: Solution {
                 parameters: start - step,
@@ -220,7 +244,7 @@ impl Doubted<'_> {
 /// Doubts about the inputs of an estimate.
 struct Doubts<'a> {
     doubted: &'a Doubted<'a>,
-    /// Logarithms of the parameters in the scene as it stands.
+    /// Coordinates of the parameters in the scene as it stands.
     base: Option<&'a [f64]>,
 }
 
@@ -363,6 +387,25 @@ impl Doubts<'_> {
         )
     }
 
+    /// Returns the changes if the mid-air photographs had this much blur that the reference does not
+    /// have: standard deviation, pixels.
+    fn blurred(&self, by_px: f64) -> Option<Changes> {
+        let Doubted {
+            scene, kind, best, ..
+        } = *self.doubted;
+        let mut from = best.optimum();
+        let loss = Loss::new(kind, scene, (from.choice, &from.solution.parameters));
+        from.choice.further.own_blur = true;
+        let column = Layout::new(from.choice, scene.groups.len()).own_blur()?;
+        let variance_mm2 = (by_px * scene.optics.camera.pitch_mm).powi(2);
+        from.solution.parameters = from.solution.parameters.insert_row(column, variance_mm2);
+        let stepped = self.doubted.stepped(scene, &loss, from, Some(column))?;
+        let mut found = estimate(scene, &loss, stepped).coordinates();
+        found.remove(column);
+        let pairs = found.iter().zip(self.base?);
+        Some(pairs.map(|(found, own)| found - own).collect())
+    }
+
     /// Returns the changes if all floating distances were `by` times as long.
     fn farther(&self, by: f64) -> Option<Changes> {
         let Doubted { table, best, .. } = *self.doubted;
@@ -416,7 +459,7 @@ impl Doubts<'_> {
     /// Returns the part of the changes that belongs to the spreads.
     fn spreads<'c>(&self, changes: &'c mut Changes) -> &'c mut [f64] {
         let best = self.doubted.best;
-        let end = best.blur_parameters();
+        let end = best.kernel_parameters();
         &mut changes[end - best.spread.len()..end]
     }
 

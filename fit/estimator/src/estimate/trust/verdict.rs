@@ -4,9 +4,10 @@ use crate::estimate::scene::Scene;
 use crate::estimate::search::azimuth::Azimuth;
 use crate::estimate::search::fitted::Estimate;
 use crate::estimate::search::layout::Value;
-use crate::estimate::search::select::Ranked;
+use crate::estimate::search::select::{CLEAR, Ranked};
 use crate::estimate::trust::goodness::{Goodness, Verdict};
 use crate::estimate::trust::suspects::Suspect;
+use crate::model::Further;
 use edges::names::Kernel;
 
 /// Chi-square per degree of freedom of the reference's MTF above which the lens model does not
@@ -51,6 +52,8 @@ pub(crate) fn of_estimate(
     warnings.extend(unused_distances(scene, best.choice.kernel));
     let baseline = best.choice.kernel.is_baseline();
     warnings.extend(misfit(goodness, suspects, baseline));
+    warnings.extend(own_blur(best));
+    warnings.extend(either_blur(best, compared));
     warnings.extend(unlike_diffraction(scene, best));
     warnings.extend(coarse(best));
     warnings.extend(not_told(best));
@@ -63,6 +66,52 @@ pub(crate) fn of_estimate(
     }
     warnings.extend(unlike_a_lens(scene));
     warnings
+}
+
+/// Returns a warning if the mid-air photographs have a blur that the reference does not have.
+fn own_blur(best: &Estimate) -> Option<String> {
+    let own = best.own_blur_px?;
+    let (size, error) = (own.value.abs(), own.standard_error);
+    let (compared, of) = if own.value > 0.0 {
+        ("blurred by", "more than the reference")
+    } else {
+        ("sharper by", "than the reference")
+    };
+    Some(format!(
+        "the mid-air photographs are {compared} {size:.2} +- {error:.2} px {of} (standard deviation \
+        of a Gaussian): focus, or vibration. The estimate allows for it. Focus all photographs on \
+        their edge, with one aperture, and take the reference at the distance of the mid-air image"
+    ))
+}
+
+/// Returns a warning if a blur of the camera and an angular spread of the sheet explain the
+/// photographs about equally well.
+fn either_blur(best: &Estimate, compared: &[Ranked]) -> Option<String> {
+    let own = best.choice.further;
+    if own.own_blur == own.angular_spread {
+        return None;
+    }
+    let criterion = |further: Further| {
+        let rows = compared.iter().filter(|row| row.choice.further == further);
+        rows.map(|row| row.criterion).reduce(f64::min)
+    };
+    let other = Further {
+        own_blur: own.angular_spread,
+        angular_spread: own.own_blur,
+    };
+    let (own, other) = (criterion(own)?, criterion(other)?);
+    let [taken, beside] = if best.own_blur_px.is_some() {
+        ["a blur of the camera", "an angular spread of the sheet"]
+    } else {
+        ["an angular spread of the sheet", "a blur of the camera"]
+    };
+    (other - own < CLEAR).then(|| {
+        format!(
+            "{taken} is taken for the further blur of the mid-air photographs, and {beside} would explain the \
+            photographs as well; predictions at other distances depend on which of them it is. \
+            Photographs at two distances tell them apart"
+        )
+    })
 }
 
 /// Returns a warning if distances lie far apart and the kernel does not use them: then no misfit

@@ -37,6 +37,8 @@ pub(crate) fn symbol(kind: ParameterKind) -> (&'static str, &'static str, &'stat
         ParameterKind::Roughness => ("\u{3b1}", "roughness", ""),
         ParameterKind::Azimuth => ("\u{3c6}", "azimuth of the sheet", "\u{b0}"),
         ParameterKind::SurfaceRoughness => ("\u{3b1}\u{2080}", "roughness of the front", ""),
+        ParameterKind::OwnBlur => ("w", "blur that the reference does not have", "px"),
+        ParameterKind::AngularSpread => ("\u{3c3}", "angular spread", "mrad"),
         ParameterKind::Mu => ("\u{b5}", "reflectance", ""),
         ParameterKind::APerMm => ("a", "diffraction spread", "1/mm"),
     }
@@ -65,6 +67,14 @@ fn explained(kind: ParameterKind) -> &'static str {
         ParameterKind::SurfaceRoughness => {
             "\u{3b1}\u{2080} is the roughness of the front face. A larger \u{3b1}\u{2080} means \
              more blur."
+        }
+        ParameterKind::OwnBlur => {
+            "w is a blur of the mid-air photographs that the reference does not have: focus or \
+             vibration. It is negative if the reference is less sharp."
+        }
+        ParameterKind::AngularSpread => {
+            "\u{3c3} is the spread of the direction of the returned light (standard deviation, \
+             across the plane of incidence). Cubes whose angles differ from cell to cell cause it."
         }
         ParameterKind::Mu => {
             "\u{b5} (mu) is the returned light, divided by the light that the model expects \
@@ -144,12 +154,17 @@ fn collected<'a>(page: &'a Page) -> Vec<Shown<'a>> {
     let front = result.surface_roughness.map(Parameter::Shared);
     let front = front.or_else(|| absent(ParameterKind::SurfaceRoughness));
     let azimuth = result.azimuth_deg.map(Parameter::Shared);
+    let own_blur = result.own_blur_px.map(Parameter::Shared);
+    let angular = result.angular_spread_mrad.map(Parameter::Shared);
+    let angular = angular.or_else(|| absent(ParameterKind::AngularSpread));
     [
         (ParameterKind::CornerSize, c.as_ref()),
         (ParameterKind::APerMm, a.as_ref()),
         (ParameterKind::ATimesR, result.a_times_r.as_ref()),
         (ParameterKind::Roughness, result.roughness.as_ref()),
         (ParameterKind::SurfaceRoughness, front.as_ref()),
+        (ParameterKind::OwnBlur, own_blur.as_ref()),
+        (ParameterKind::AngularSpread, angular.as_ref()),
         (ParameterKind::Mu, result.mu.as_ref()),
         (ParameterKind::Azimuth, azimuth.as_ref()),
     ]

@@ -55,7 +55,7 @@ impl Evidence {
         };
         let likelihood = estimated.kind != Kind::Mse;
         let loss = estimated.loss();
-        let profiles = (0..fit.blur_parameters())
+        let profiles = (0..fit.kernel_parameters())
             .filter(wanted)
             .take(if likelihood { MOST } else { 0 })
             .map(|i| profile(estimated, &loss, i))

@@ -43,7 +43,10 @@ pub(crate) fn section(page: &Page) -> String {
         figures.push_str(&ellipses(&pairs));
     }
     let mut out = String::new();
-    if page.result.bounds.is_empty() {
+    // An angular spread may be hidden in any photographs.
+    let bounded = page.result.bounds.keys();
+    let mut hidden = bounded.filter(|id| id.kind != ParameterKind::AngularSpread);
+    if hidden.next().is_none() {
         out.push_str("<p>The photographs determine every parameter.");
     } else {
         out.push_str(
@@ -190,7 +193,10 @@ fn value(page: &Page, id: ParameterId) -> Option<f64> {
         ParameterKind::ATimesR => result.a_times_r.as_ref()?,
         ParameterKind::Roughness => result.roughness.as_ref()?,
         ParameterKind::SurfaceRoughness => return result.surface_roughness?.value,
-        ParameterKind::Mu | ParameterKind::Azimuth => return None,
+        ParameterKind::OwnBlur
+        | ParameterKind::AngularSpread
+        | ParameterKind::Mu
+        | ParameterKind::Azimuth => return None,
     };
     match parameter {
         Parameter::Shared(number) => number.value,

@@ -61,6 +61,7 @@ fn named(given: UnverifiedInput) -> &'static str {
         UnverifiedInput::IncidenceDeg => "incidence angles (\u{b0})",
         UnverifiedInput::AzimuthDeg => "azimuths (\u{b0})",
         UnverifiedInput::TangentialAxisDeg => "tangential axes (\u{b0})",
+        UnverifiedInput::Lens => "lens: as sharp as in the reference",
         UnverifiedInput::Cell => "cell of the table",
     }
 }

@@ -1,0 +1,389 @@
+//! The choice of further blurs: one of the camera that the reference does not have, and an angular
+//! spread of the sheet.
+//!
+//! They are tried after the kernel is chosen. At the optimum of a candidate, one evaluation tells by
+//! how much a step of Gauss and Newton along their columns would lower the sum of squares. Only
+//! where that is near what the criterion asks for, or beats the best candidate, the candidate is
+//! fitted with them. So photographs of an ideal sheet through one lens cost one evaluation for each
+//! candidate. A further blur is kept if the criterion falls by more than [`CLEAR`] below that of all
+//! candidates without one, and if it differs from 0 by [`SURE`] stated errors, which contain that
+//! of the lens by every loss. An angular spread has to be a spread: its variance is positive.
+//!
+//! At one distance and one incidence both blurs change the photographs alike, and no photograph
+//! tells them apart. Then the own blur is taken, and a warning says so (see `verdict`).
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::estimate::scene::Scene;
+use crate::estimate::search::bound::{Bound, CONFIDENCE, rise_below};
+use crate::estimate::search::fitted::Estimate;
+use crate::estimate::search::layout::{Choice, Layout};
+use crate::estimate::search::loss::Loss;
+use crate::estimate::search::optimum::{Optimum, refined};
+use crate::estimate::search::select::{CLEAR, Candidates, HOPELESS, Ranked, Selection, with_mu};
+use crate::model::Further;
+use edges::names::{Kernel, ParameterId, ParameterKind};
+use edges::numerics::{Solution, Stop};
+
+/// Standard errors by which a variance has to differ from 0.
+const SURE: f64 = 3.0;
+
+/// Share of the fall that the criterion asks for, from which on the chosen candidate is fitted with
+/// a further blur. The step of Gauss and Newton misses a part of the fall.
+const PROMISING: f64 = 0.5;
+
+/// Share of a column's square that has to be left after the other columns are projected out. Below
+/// it the photographs do not tell the blur from the other parameters.
+const INDEPENDENT: f64 = 1e-8;
+
+/// Least singular value of the normal matrix of unit columns that counts: rounding is a hundredth of
+/// it.
+const UNNOTICED: f64 = 1e-13;
+
+/// Returns the further blurs that a candidate may have. Without a reference the lens is free
+/// already. The facets of a baseline spread the light as dihedral errors do.
+fn possible(scene: &Scene, kernel: Kernel) -> Further {
+    Further {
+        own_blur: scene.reference.is_some() && !kernel.is_baseline(),
+        angular_spread: !kernel.is_baseline(),
+    }
+}
+
+/// Information on further blurs that a candidate does not have, at one point. Their columns come in
+/// the order of [`Layout`].
+struct Score {
+    /// Blurs of the columns.
+    further: Further,
+    /// Information, with the parameters of the candidate projected out.
+    information: DMatrix<f64>,
+    /// Columns times residuals, projected likewise.
+    pull: DVector<f64>,
+    /// Squares of the columns before the projection.
+    whole: DVector<f64>,
+}
+
+impl Score {
+    /// Evaluates the score of a candidate at `at`: its parameters, with those of the lens if the
+    /// loss has them. Returns `None` if the candidate has all blurs, or if the photographs do not
+    /// determine its parameters.
+    fn new(scene: &Scene, loss: &Loss, choice: Choice, at: &DVector<f64>) -> Option<Score> {
+        let (own, all) = (choice.further, possible(scene, choice.kernel));
+        let further = Further {
+            own_blur: all.own_blur && !own.own_blur,
+            angular_spread: all.angular_spread && !own.angular_spread,
+        };
+        let choice = Choice {
+            further: Further {
+                own_blur: own.own_blur || further.own_blur,
+                angular_spread: own.angular_spread || further.angular_spread,
+            },
+            ..choice
+        };
+        let layout = Layout::new(choice, scene.groups.len());
+        let added = [
+            layout.own_blur().filter(|_| further.own_blur),
+            layout.angular_spread().filter(|_| further.angular_spread),
+        ];
+        let added: Vec<usize> = added.into_iter().flatten().collect();
+        if added.is_empty() {
+            return None;
+        }
+        let mut at = at.clone();
+        for &column in &added {
+            at = at.insert_row(column, 0.0);
+        }
+        let (residuals, jacobian) = loss.evaluate(&layout, &at);
+        let columns = jacobian.select_columns(&added);
+        let kept: Vec<usize> = (0..jacobian.ncols())
+            .filter(|column| !added.contains(column))
+            .collect();
+        let mut known = jacobian.select_columns(&kept);
+        for mut column in known.column_iter_mut() {
+            let norm = column.norm();
+            if norm > 0.0 {
+                column /= norm;
+            }
+        }
+        // Parameters that the photographs do not notice, or do not tell from others, have no part
+        // in the projection.
+        let inverse = known.tr_mul(&known).pseudo_inverse(UNNOTICED).ok()?;
+        let cross = known.tr_mul(&columns);
+        let information = columns.tr_mul(&columns) - cross.tr_mul(&(&inverse * &cross));
+        let pull =
+            columns.tr_mul(&residuals) - cross.tr_mul(&(&inverse * known.tr_mul(&residuals)));
+        let finite = |v: &f64| v.is_finite();
+        let is_finite = information.iter().all(finite) && pull.iter().all(finite);
+        is_finite.then(|| Score {
+            further,
+            whole: DVector::from_iterator(
+                added.len(),
+                columns.column_iter().map(|column| column.norm_squared()),
+            ),
+            information,
+            pull,
+        })
+    }
+
+    /// Returns the columns of some of the blurs, or `None` if one of them has none.
+    fn columns(&self, wanted: Further) -> Option<Vec<usize>> {
+        let missing = (wanted.own_blur && !self.further.own_blur)
+            || (wanted.angular_spread && !self.further.angular_spread);
+        let second = usize::from(self.further.own_blur);
+        let own = wanted.own_blur.then_some(0);
+        let columns = own
+            .into_iter()
+            .chain(wanted.angular_spread.then_some(second));
+        (!missing).then(|| columns.collect())
+    }
+
+    /// Returns the fall of the sum of squares by a step along some of the blurs, and the variance at
+    /// its end with its standard error for each of them. Returns `None` if the photographs do not
+    /// tell the blurs apart, or from the other parameters.
+    fn step(&self, wanted: Further) -> Option<(f64, Vec<[f64; 2]>)> {
+        let columns = self.columns(wanted)?;
+        let n = columns.len();
+        let of = |i: usize, j: usize| self.information[(columns[i], columns[j])];
+        let information = DMatrix::from_fn(n, n, of);
+        let pull = DVector::from_fn(n, |i, _| self.pull[columns[i]]);
+        // The share of a column that neither the parameters nor the other blur explains.
+        let inverse = information.try_inverse()?;
+        let told = |i: usize| {
+            let left = inverse[(i, i)].recip();
+            left > INDEPENDENT * self.whole[columns[i]]
+        };
+        if !(0..n).all(told) {
+            return None;
+        }
+        let step = &inverse * &pull;
+        let variances = (0..n).map(|i| [-step[i], inverse[(i, i)].sqrt()]);
+        Some((pull.dot(&step), variances.collect()))
+    }
+}
+
+/// Fits a candidate with further blurs. `at` holds the parameters without them, and those of the
+/// lens if the loss has them.
+fn fitted(
+    scene: &Scene,
+    loss: &Loss,
+    choice: Choice,
+    at: &DVector<f64>,
+    variances: &[[f64; 2]],
+) -> Optimum {
+    let layout = Layout::new(choice, scene.groups.len());
+    let first = layout.logarithms();
+    let mut parameters = at.clone();
+    for (i, &[variance, _]) in variances.iter().enumerate() {
+        parameters = parameters.insert_row(first + i, variance);
+    }
+    // A refinement appends the parameters of the lens itself.
+    let start = Optimum {
+        choice,
+        solution: Solution {
+            parameters: parameters.rows(0, layout.parameters()).into_owned(),
+            residuals: DVector::zeros(0),
+            jacobian: DMatrix::zeros(0, 0),
+            iterations: 0,
+            stop: Stop::Converged,
+        },
+        observations: loss.observations(),
+    };
+    refined(scene, loss, start)
+}
+
+/// Sets of further blurs that are tried, in the order of preference among equals.
+const TRIED: [Further; 3] = [
+    Further {
+        own_blur: true,
+        angular_spread: false,
+    },
+    Further {
+        own_blur: false,
+        angular_spread: true,
+    },
+    Further {
+        own_blur: true,
+        angular_spread: true,
+    },
+];
+
+/// Criteria of candidates of one selection.
+struct Criteria {
+    /// Natural logarithm of the number of observations.
+    penalty: f64,
+    /// Number of parameters of the lens.
+    lens: usize,
+    observations: usize,
+}
+
+impl Criteria {
+    fn of(&self, row: &Ranked, misfit: f64) -> f64 {
+        row.chi2 / misfit + (row.parameters + self.lens) as f64 * self.penalty
+    }
+
+    /// Returns the least sum of squares per degree of freedom, at least 1.
+    fn misfit<'r>(&self, rows: impl Iterator<Item = &'r Ranked>) -> f64 {
+        let reduced = rows.map(|row| {
+            let freedom = self.observations.saturating_sub(row.parameters + self.lens);
+            row.chi2 / freedom.max(1) as f64
+        });
+        reduced.fold(f64::INFINITY, f64::min).max(1.0)
+    }
+}
+
+/// Tries further blurs for the candidates of a selection, and takes those that the criterion asks
+/// for.
+pub(crate) fn added<'a>(
+    scene: &Scene,
+    open: &Candidates,
+    selection: Selection<'a>,
+) -> Selection<'a> {
+    let loss = &selection.loss;
+    let criteria = Criteria {
+        penalty: (loss.observations() as f64).ln(),
+        lens: loss.start(&DVector::zeros(0)).len(),
+        observations: loss.observations(),
+    };
+    let fits = tried(scene, &criteria, &selection);
+    if fits.is_empty() {
+        return selection;
+    }
+    let row = |fit: &Optimum| {
+        let parameters = Layout::new(fit.choice, scene.groups.len()).parameters();
+        Ranked {
+            choice: fit.choice,
+            criterion: 0.0,
+            chi2: fit.solution.sum_of_squares(),
+            parameters,
+            at: fit.solution.parameters.rows(0, parameters).into_owned(),
+        }
+    };
+    let rows: Vec<Ranked> = fits.iter().map(row).collect();
+    let misfit = criteria.misfit(selection.compared.iter().chain(&rows));
+    let least = |rows: &[Ranked]| {
+        let all = rows.iter().map(|row| criteria.of(row, misfit));
+        all.fold(f64::INFINITY, f64::min)
+    };
+    let (plain, widened) = (least(&selection.compared), least(&rows));
+    let mut order: Vec<usize> = (0..rows.len())
+        .filter(|&i| {
+            let own = criteria.of(&rows[i], misfit);
+            own < plain - CLEAR && own <= widened + CLEAR
+        })
+        .collect();
+    // The sort is stable, so equals keep their order of preference.
+    order.sort_by_key(|&i| rows[i].parameters);
+    let estimates = order
+        .into_iter()
+        .map(|i| with_mu(scene, loss, open, fits[i].clone()));
+    let Some(best) = estimates.into_iter().find(is_sure) else {
+        return selection;
+    };
+    let mut compared = selection.compared;
+    compared.extend(rows);
+    for row in &mut compared {
+        row.criterion = criteria.of(row, misfit);
+    }
+    compared.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    Selection {
+        loss: selection.loss,
+        near: selection.near,
+        best,
+        compared,
+    }
+}
+
+/// Fits the candidates of a selection with each set of further blurs that is promising.
+fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optimum> {
+    let Selection {
+        loss,
+        best,
+        compared,
+        ..
+    } = selection;
+    let is_best = |row: &Ranked| {
+        let (a, b) = (row.choice, best.choice);
+        (a.kernel, a.shape, a.per_angle_a) == (b.kernel, b.shape, b.per_angle_a)
+    };
+    let misfit = criteria.misfit(compared.iter());
+    let least = compared.first().map_or(f64::NAN, |row| row.criterion);
+    // The chosen candidate comes first.
+    let chosen = compared.iter().filter(|row| is_best(row));
+    let others = compared.iter().filter(|row| !is_best(row));
+    let hopeful = others.filter(|row| row.criterion <= HOPELESS * least + CLEAR);
+    let mut fits: Vec<Optimum> = Vec::new();
+    let mut beaten = least;
+    for row in chosen.chain(hopeful) {
+        let at = if is_best(row) {
+            best.solution.parameters.clone()
+        } else {
+            loss.start(&row.at)
+        };
+        let Some(score) = Score::new(scene, loss, row.choice, &at) else {
+            continue;
+        };
+        for further in TRIED {
+            let Some((fall, variances)) = score.step(further) else {
+                continue;
+            };
+            let penalty = further.count() as f64 * criteria.penalty;
+            let fall = fall / misfit;
+            let promising = if is_best(row) {
+                fall > PROMISING * (penalty + CLEAR)
+            } else {
+                row.criterion - fall + penalty < beaten
+            };
+            if !promising {
+                continue;
+            }
+            let choice = Choice {
+                further,
+                ..row.choice
+            };
+            let fit = fitted(scene, loss, choice, &at, &variances);
+            let squares = fit.solution.sum_of_squares();
+            if fit.solution.stop != Stop::Failed && squares.is_finite() {
+                beaten = beaten.min(fit.criterion(misfit));
+                fits.push(fit);
+            }
+        }
+    }
+    fits
+}
+
+/// Returns whether each further blur of an estimate differs from 0 by [`SURE`] standard errors, and
+/// an angular spread is one.
+fn is_sure(fit: &Estimate) -> bool {
+    let further = fit.own_blur_px.iter().chain(&fit.angular_spread_mrad);
+    // The error of a deviation is that of the variance divided by twice the deviation.
+    let sure = further.map(|own| own.value.abs() > 2.0 * SURE * own.standard_error);
+    let spreads = fit.angular_spread_mrad.is_none_or(|own| own.value > 0.0);
+    sure.fold(spreads, |all, own| all && own)
+}
+
+/// Bounds an angular spread that the chosen candidate does not have, by the pixels.
+///
+/// The sum of squares is a parabola of the variance. One evaluation gives its least place and its
+/// width. The level of the bound is conditional on the choice, see `bound`. `unit` is the factor by
+/// which a misfit raises the sum of squares.
+pub(crate) fn hidden_spread(
+    scene: &Scene,
+    loss: &Loss,
+    fit: &Estimate,
+    unit: f64,
+) -> Option<(ParameterId, Bound)> {
+    let Loss::Edge(_) = loss else { return None };
+    let score = Score::new(scene, loss, fit.choice, &fit.solution.parameters)?;
+    let (_, step) = score.step(TRIED[1])?;
+    let [variance, error] = step[0];
+    // A spread below 0 is none.
+    let variance = variance.max(0.0);
+    let found = variance / error / unit.sqrt();
+    let threshold = (loss.observations() as f64).ln() + CLEAR;
+    let rise = rise_below(found, threshold.sqrt());
+    let bound = Bound {
+        at_least: None,
+        at_most: Some((variance + error * (rise * unit).sqrt()).sqrt()),
+        confidence: CONFIDENCE,
+    };
+    Some((ParameterKind::AngularSpread.shared(), bound))
+}

@@ -1,0 +1,104 @@
+//! Gaussian blurs that a model may have beside its kernel.
+//!
+//! Both multiply the OTF by exp(-2 pi^2 f^2 V), where V is a variance in the plane of the mid-air
+//! image, along the direction of the frequency:
+//!
+//! ```text
+//! V = w + R^2 sigma^2 q,    q = n_s^2 + n_t^2 (cos theta' / cos theta)^2
+//! ```
+//!
+//! - w is the blur of the camera in the photographs of the mid-air image that is not in the
+//!   reference: another focus, or vibration. It is negative if the reference is less sharp.
+//! - sigma is the standard deviation of the direction of the returned light, across the plane of
+//!   incidence and outside of the sheet. It describes sheets whose dihedral angles differ from cell
+//!   to cell.
+//!
+//! The factor in q follows from the refraction at the front. Let the three dihedral angles of a cube
+//! be off by independent normal errors with the standard deviation e. The light that comes back is
+//! turned by omega x d, where d is its direction within the cube, and omega has the components
+//! +-2 e1, +-2 e2, +-2 e3 along the three edges. The signs depend on the order of the facets. The
+//! covariance of omega is 4 e^2 times the identity. So whatever d and the order are, the deviation is
+//! normal and round about d, with the standard deviation 2 e along each axis. At the front, Snell's
+//! law multiplies the components of the direction along the face by the index m. Across the plane of
+//! incidence such a component is the deviation itself: sigma_s = 2 m e. In the plane of incidence it
+//! is sin theta' within the sheet and sin theta outside, and m cos theta' d theta' = cos theta
+//! d theta: sigma_t = sigma_s cos theta' / cos theta. `fit/lab` checks both by rays.
+//!
+//! The light of a cell is displaced by R times its deviation, in the plane across the viewing ray.
+
+use std::f64::consts::PI;
+
+/// Gaussian blurs that a candidate has beside its kernel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Further {
+    /// True for a blur of the mid-air photographs that the reference does not have.
+    pub own_blur: bool,
+    /// True for a spread of the direction of the returned light.
+    pub angular_spread: bool,
+}
+
+impl Further {
+    /// No further blur.
+    pub const NONE: Further = Further {
+        own_blur: false,
+        angular_spread: false,
+    };
+
+    /// Returns the number of blurs, each of which has one parameter.
+    pub fn count(self) -> usize {
+        usize::from(self.own_blur) + usize::from(self.angular_spread)
+    }
+}
+
+/// Square of a milliradian.
+const MRAD2: f64 = 1e-6;
+
+/// Largest logarithm of the factor. A solver that tries a camera far sharper than the reference
+/// would overflow without it.
+const MOST: f64 = 30.0;
+
+/// Returns cos theta' / cos theta: by how much a spread of the light within a sheet of this index is
+/// larger in the plane of incidence than across it, outside of the sheet.
+pub fn tangential_gain(incidence_rad: f64, refractive_index: f64) -> f64 {
+    let sine = (incidence_rad.sin() / refractive_index).clamp(-1.0, 1.0);
+    (1.0 - sine * sine).sqrt() / incidence_rad.cos()
+}
+
+/// Returns R^2 q in mm^2 per mrad^2: the variance along `normal` (tangential, sagittal) that an
+/// angular spread of 1 mrad causes at the distance `r_mm`. `gain` is that of [`tangential_gain`].
+pub fn variance_per_mrad2(r_mm: f64, normal: [f64; 2], gain: f64) -> f64 {
+    MRAD2 * r_mm * r_mm * ((normal[0] * gain).powi(2) + normal[1].powi(2))
+}
+
+/// Evaluates exp(-2 pi^2 f^2 V) for a variance in mm^2 and a frequency in 1/mm.
+pub fn otf(variance_mm2: f64, frequency: f64) -> f64 {
+    if variance_mm2 == 0.0 {
+        return 1.0;
+    }
+    (variance_mm2 * slope(frequency)).min(MOST).exp()
+}
+
+/// Returns -2 pi^2 f^2, the derivative of the logarithm of the OTF by the variance, 1/mm^2.
+pub fn slope(frequency: f64) -> f64 {
+    -2.0 * (PI * frequency).powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At normal incidence and for hollow cubes the spread is round. At 40 degrees and an index of
+    /// 1.49 the ratio by hand is cos(25.557 deg) / cos(40 deg) = 0.90215 / 0.76604 = 1.17768, whose
+    /// last digit is that of the angle.
+    #[test]
+    fn the_spread_is_wider_in_the_plane_of_incidence() {
+        for (deg, index, expected) in [(0.0, 1.49, 1.0), (40.0, 1.0, 1.0), (40.0, 1.49, 1.17768)] {
+            let found = tangential_gain(f64::to_radians(deg), index);
+            assert!((found - expected).abs() < 1e-5, "{deg} {index}: {found}");
+        }
+        // 2 mrad at 500 mm are 1 mm.
+        let along = |normal| 4.0 * variance_per_mrad2(500.0, normal, 1.2);
+        assert!((along([0.0, 1.0]) - 1.0).abs() < 1e-15);
+        assert!((along([1.0, 0.0]) - 1.44).abs() < 1e-15);
+    }
+}
