@@ -78,7 +78,7 @@ fn every_key_arrives_and_captures_override_the_setup() {
         .map(|line| (line.wavelength_nm, line.weight))
         .collect();
     assert_eq!(lines, [(450.0, 0.2), (550.0, 0.5)]);
-    let reference = campaign.reference.as_ref().unwrap();
+    let reference = &campaign.references[0];
     assert_eq!(
         (reference.exposure, reference.roi),
         (
@@ -132,7 +132,7 @@ fn every_key_arrives_and_captures_override_the_setup() {
     assert_eq!(two.shot.decode.channel, Channel::Named("view.L".to_owned()));
     assert_eq!(two.shot.place.line, 26);
     // Keys in [setup] hold for every photograph.
-    let source = campaign.reference.as_ref().expect("it is named");
+    let source = &campaign.references[0];
     for shot in [source, &one.shot, &two.shot] {
         assert_eq!(shot.accepted, [Accepted::Doubled]);
     }

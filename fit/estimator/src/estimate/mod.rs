@@ -9,6 +9,7 @@
 //! - [`layout`]: the parameters of a candidate, and their order in a vector.
 //! - [`direction`], [`scene`], `perturbed`: photographs with their directions. `compared`: their
 //!   models.
+//! - `optics`, `reference`, `empirical`: the lens, by photographs of the source edge.
 //! - `joint`, [`loss`]: the function that is minimised. [`start`], [`optimum`]: its minimum.
 //! - `covariance`, [`fitted`]: the results that follow from the minimum.
 //! - [`select`](mod@select): the choice of the terms.
@@ -23,6 +24,7 @@ pub mod campaign;
 mod compared;
 mod covariance;
 pub mod direction;
+mod empirical;
 pub mod error;
 pub mod fitted;
 pub mod forward;
@@ -70,6 +72,7 @@ pub use optimum::{refined, sum_of_squares_with, tolerance_for};
 pub use perturbed::{Conditions, OtherIndex};
 pub use progress::{Progress, Step};
 pub use reference::measure as measured_reference;
+pub use reference::measure_parametric;
 pub use scene::{Aerial, Scene};
 pub use select::Candidates;
 pub use select::Ranked;
