@@ -18,10 +18,11 @@ const ASSUMED_FACTOR: f64 = 2.0;
 
 /// Standard deviation of a term of a lens' departure before the pixels are seen.
 ///
-/// The OTF of a lens lies between none, beyond the end of its pupil, and twice that of the
-/// parametric one, which no sharpening that leaves an edge exceeds. Where pixels tell of a term
-/// they tell it to some percent, so this matters only where the OTF is too small to be seen.
-pub(crate) const DEPARTURE: f64 = 1.0;
+/// The OTF of a lens lies between -0.13 (a disc of defocus) and 1, and that of the parametric lens
+/// follows it as well as it can. Pupils, discs, halos and sharpening need terms up to 0.17. Pixels
+/// tell a term to some thousandths where the box of the pixel lets light pass, so this matters only
+/// where nothing is seen, and there it keeps the OTF within what lenses have.
+pub(crate) const DEPARTURE: f64 = 0.3;
 
 /// Camera of a scene, with the covariance of its lenses.
 #[derive(Debug, Clone)]

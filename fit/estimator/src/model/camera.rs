@@ -17,17 +17,17 @@ pub struct Camera {
     pub lenses: Vec<Lens>,
 }
 
-/// Blur of a lens along one direction, with the OTF exp(-(f / f0)^p) (1 + S(f)). The first factor is
+/// Blur of a lens along one direction, with the OTF exp(-(f / f0)^p) + S(f). The first part is
 /// Gaussian at p = 2, and near a diffraction-limited lens at p = 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lens {
     /// Direction of the edge normal, radians from +x (right) towards +y (down).
     pub normal_rad: f64,
-    /// Blur length 1/f0, mm. The first factor is 1/e at the frequency f0.
+    /// Blur length 1/f0, mm. The first part is 1/e at the frequency f0.
     pub blur_mm: f64,
     /// Exponent p.
     pub exponent: f64,
-    /// Departure S from the first factor; `None` if that alone describes the lens.
+    /// Departure S from the first part; `None` if that alone describes the lens.
     pub departure: Option<Departure>,
 }
 
@@ -104,8 +104,8 @@ impl Camera {
 impl Along<'_> {
     /// Evaluates the OTF at `frequency` (1/mm).
     pub fn otf(&self, frequency: f64) -> f64 {
-        let [first, second] = self.factors(frequency);
-        self.pixel(frequency) * (first * second)
+        let [first, second] = self.parts(frequency);
+        self.pixel(frequency) * (first + second)
     }
 
     /// Evaluates the OTF and writes its derivatives by the numbers of the lenses to `slopes`, in
@@ -115,28 +115,27 @@ impl Along<'_> {
     /// Panics if `slopes` has fewer entries than [`Camera::numbers`].
     pub fn otf_and_slopes(&self, frequency: f64, slopes: &mut [f64]) -> f64 {
         let pixel = self.pixel(frequency);
-        let [first, second] = self.factors(frequency);
+        let [first, second] = self.parts(frequency);
         let mut rest = slopes;
         for (lens, share) in self.camera.lenses.iter().zip(&self.shares) {
             let (own, others) = rest.split_at_mut(lens.numbers());
             if let Some(departure) = &lens.departure {
                 own.fill(0.0);
                 departure.each(frequency, |term, weight| {
-                    own[term] += pixel * (share * weight * first);
+                    own[term] += pixel * (share * weight);
                 });
             } else {
                 let [power, logarithm] = lens.power(frequency);
-                let value = first * second;
-                own[0] = pixel * (share * (-lens.exponent * power * value));
-                own[1] = pixel * (share * (-power * logarithm * value));
+                own[0] = pixel * (share * (-lens.exponent * power * first));
+                own[1] = pixel * (share * (-power * logarithm * first));
             }
             rest = others;
         }
-        pixel * (first * second)
+        pixel * (first + second)
     }
 
-    /// Returns both factors of the OTF of the lens.
-    fn factors(&self, frequency: f64) -> [f64; 2] {
+    /// Returns both parts of the OTF of the lens.
+    fn parts(&self, frequency: f64) -> [f64; 2] {
         let (mut power, mut departure) = (0.0, 0.0);
         for (lens, share) in self.camera.lenses.iter().zip(&self.shares) {
             power += share * lens.power(frequency)[0];
@@ -146,7 +145,7 @@ impl Along<'_> {
                 .map_or(0.0, |own| share * own.at(frequency));
         }
         // A quadratic form may become negative beyond the measured directions.
-        [(-power.max(0.0)).exp(), 1.0 + departure]
+        [(-power.max(0.0)).exp(), departure]
     }
 
     fn pixel(&self, frequency: f64) -> f64 {
@@ -176,8 +175,8 @@ impl Lens {
     /// Evaluates the OTF at `frequency` (1/mm).
     pub fn otf(&self, frequency: f64) -> f64 {
         let departure = self.departure.as_ref();
-        let factor = 1.0 + departure.map_or(0.0, |own| own.at(frequency));
-        (-self.power(frequency)[0]).exp() * factor
+        let departure = departure.map_or(0.0, |own| own.at(frequency));
+        (-self.power(frequency)[0]).exp() + departure
     }
 
     /// Returns (f blur)^p and ln(f blur), which is 0 at frequency 0.

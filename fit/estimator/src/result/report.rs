@@ -225,7 +225,7 @@ pub struct LensResult {
     /// Direction of the edge normal, degrees: 0 is right (+x), 90 is down (+y). It is null for a
     /// lens that is taken for round.
     pub edge_angle_deg: Option<f64>,
-    /// Number of terms by which the lens departs from exp(-(f blur)^exponent).
+    /// Number of terms that the lens has beside exp(-(f blur)^exponent).
     pub terms: usize,
     /// Frequencies along the normal, cycles per pixel.
     pub frequency_per_px: Vec<f64>,

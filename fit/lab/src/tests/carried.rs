@@ -13,7 +13,7 @@ use estimator::estimate::{Choice, Estimate, Kind, Loss};
 use estimator::estimate::{bounds, estimate, measure_parametric, sum_of_squares_with};
 use estimator::model::Camera;
 use estimator::model::Lens;
-use nalgebra::{DMatrix, DVector, Matrix2};
+use nalgebra::{DMatrix, DVector};
 
 /// Returns the logarithms of c, a and mu.
 fn logarithms(fit: &Estimate) -> DVector<f64> {

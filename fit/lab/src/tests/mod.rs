@@ -17,6 +17,7 @@ mod forward;
 mod goodness;
 mod known;
 mod lamps;
+mod lens;
 mod mirror;
 mod nominal;
 mod one_sided;
