@@ -45,7 +45,7 @@ fn campaign() -> Campaign {
             half_mirror_reflectance: 0.5,
             spectrum: None,
         },
-        reference: Some(Shot::named(SOURCE, 1.0)),
+        references: vec![Shot::named(SOURCE, 1.0)],
         captures: CAPTURES.into_iter().map(capture).collect(),
         warnings: Vec::new(),
     }

@@ -670,10 +670,15 @@ def _manifest(
             f"{_MEMORY}: {unknown[0]!r} is no part of a campaign; use setup, reference, capture"
         )
     reference = captures.get("reference")
+    if isinstance(reference, (list, tuple)):
+        names = ["reference", *(f"reference {k}" for k in range(1, len(reference)))]
+        references: Any = [shot(*one) for one in zip(reference, names, strict=True)]
+    elif reference is not None:
+        references = shot(reference, "reference")
     setup = captures.get("setup")
     lines = [
         f"setup = {_toml({} if setup is None else setup)}",
-        "" if reference is None else f"reference = {_toml(shot(reference, 'reference'))}",
+        "" if reference is None else f"reference = {_toml(references)}",
         "capture = [",
     ]
     shots = captures.get("capture", [])
@@ -720,7 +725,7 @@ def estimate(
     ----------
     captures : path or dict
         Manifest (captures.toml), or its content: ``{"setup": {...}, "reference": {...},
-        "capture": [{...}, ...]}`` with the keys of the manifest. Each ``"image"`` is a path or an
+        "capture": [{...}, ...]}`` with the keys of the manifest; ``"reference"`` may be a list. Each ``"image"`` is a path or an
         array of shape (rows, columns) or (rows, columns, 3), of linear light unless
         ``"transfer": "srgb"`` is given. Captures are counted from 0 in messages.
     table : Table, path, or list of them

@@ -44,6 +44,11 @@ Keys that may be left out, with the values that they then have:
   pixel_pitch_mm = 0.05             # in the plane of the image
   seen_in_mirror = false            # true if the half mirror shows the sheet
   sigma_px = 0.55                   # blur of the lens, standard deviation
+  sigma_down_px                     # along y, if it is another than along x
+  pupil_cutoff_per_px               # a perfect lens instead: where its OTF ends
+  halo_share = 0                    # share of the light in a halo
+  halo_px = 20                      # length of its exponential line spread
+  sharpening = 0                    # of pixels against the mean of 3 x 3
   source_level = 0.9                # bright side of the source at exposure 1
   half_mirror_transmittance = 0.5
   half_mirror_reflectance = 0.5

@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, Error, MapAccess, Visitor};
+use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use toml::Value;
 
 use crate::names::Spectrum;
@@ -89,6 +89,33 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Table<T> {
 /// Reads a table of keys.
 pub fn table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(value: D) -> Result<T, D::Error> {
     Table::deserialize(value).map(|table| table.0)
+}
+
+/// Reads one table of keys, `[name]`, or several, `[[name]]`.
+pub fn tables<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    value: D,
+) -> Result<Vec<T>, D::Error> {
+    struct OneOrMore<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for OneOrMore<T> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+            formatter.write_str("a table")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, keys: A) -> Result<Vec<T>, A::Error> {
+            Ok(vec![T::deserialize(MapAccessDeserializer::new(keys))?])
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut tables: A) -> Result<Vec<T>, A::Error> {
+            let mut all = Vec::new();
+            while let Some(Table(table)) = tables.next_element()? {
+                all.push(table);
+            }
+            Ok(all)
+        }
+    }
+    value.deserialize_any(OneOrMore(PhantomData))
 }
 
 /// A value whose numbers all meet the same condition.

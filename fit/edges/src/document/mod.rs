@@ -7,7 +7,7 @@ mod bounds;
 mod file;
 mod text;
 
-pub use bounds::{Bounded, Bounds, Table, table};
+pub use bounds::{Bounded, Bounds, Table, table, tables};
 pub use bounds::{choice, choices, finite, incidence, not_negative, positive};
 pub use bounds::{share, spectrum, turn};
 pub use file::{open, read};

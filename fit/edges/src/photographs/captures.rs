@@ -13,7 +13,7 @@ use serde::de::{Deserializer, Error as _};
 use toml::Spanned;
 
 use crate::document::{self, Document, FileLine, Table};
-use crate::document::{choice, choices, incidence, positive, share, spectrum, turn};
+use crate::document::{choice, choices, incidence, positive, share, spectrum, tables, turn};
 use crate::names::Spectrum;
 use crate::photographs::edge::fault::Accepted;
 use crate::photographs::photo;
@@ -201,8 +201,9 @@ pub struct Campaign {
     pub file: PathBuf,
     /// Properties that all captures share.
     pub setup: Setup,
-    /// Photograph of the source edge itself, without sheet and half mirror.
-    pub reference: Option<Shot>,
+    /// Photographs of the source edge itself, without sheet and half mirror: none, or one for each
+    /// direction of the edge in which the lens is measured.
+    pub references: Vec<Shot>,
     /// Captures in the order of the manifest; never empty.
     pub captures: Vec<Capture>,
     /// Warnings about what was assumed, one sentence each.
@@ -217,7 +218,7 @@ impl Campaign {
             .captures
             .iter_mut()
             .map(|capture| &mut capture.shot);
-        for shot in campaign.reference.iter_mut().chain(captures) {
+        for shot in campaign.references.iter_mut().chain(captures) {
             shot.decode.channel = channel.clone();
         }
         campaign
@@ -247,9 +248,9 @@ pub struct Manifest {
 /// The key `expect_table` is checked to be a hash. The programs compare it with their table; a
 /// caller of this function chooses the table in code.
 ///
-/// If the manifest does not give `exposure`, it is 1 for the reference. For a capture it is then
-/// the ratio of the camera's settings (Exif) to those of the reference, because mu is a ratio of
-/// the two photographs. Without a reference it has no effect and is 1.
+/// If the manifest does not give `exposure`, it is 1 for the first reference. For a capture, and for
+/// a further reference, it is then the ratio of the camera's settings (Exif) to those of the first
+/// reference, because mu is a ratio of the two photographs. Without a reference it has no effect and is 1.
 ///
 /// # Errors
 /// Returns an `Error` that names the line of the first fault: a file that cannot be read, text that
@@ -280,7 +281,8 @@ pub fn held(text: String, name: &Path, is_held: &dyn Fn(&Path) -> bool) -> Resul
 #[serde(deny_unknown_fields)]
 struct Tables {
     setup: Table<SetupTable>,
-    reference: Option<Table<ShotTable>>,
+    #[serde(default, deserialize_with = "tables")]
+    reference: Vec<ShotTable>,
     #[serde(default)]
     capture: Vec<Spanned<Table<CaptureTable>>>,
 }
@@ -404,8 +406,21 @@ fn of_document(
     let mut warnings = Vec::new();
     let setup = setup(&shared, file, &mut warnings);
     let shot = |table| shot(table, &shared, document, is_there);
-    let reference = reference.map(|table| shot(table.0)).transpose()?;
-    if reference.is_none() {
+    let mut references: Vec<Shot> = Vec::new();
+    let mut source = None;
+    for table in reference {
+        let given = table.exposure;
+        let mut reference = shot(table)?;
+        if let (None, Some(first)) = (given, references.first()) {
+            let place = &reference.place;
+            let (exposure, warning) =
+                exposure_by_camera(place, "[[reference]]", first, &mut source, &reference)?;
+            reference.exposure = exposure;
+            warnings.push(warning);
+        }
+        references.push(reference);
+    }
+    if references.is_empty() {
         warnings.push(format!(
             "{} has no [reference]: the blur of the lens is assumed, and mu cannot be found; \
             photograph the source edge too.",
@@ -413,7 +428,6 @@ fn of_document(
         ));
     }
     let mut captures: Vec<Capture> = Vec::new();
-    let mut source = None;
     for table in capture {
         let place = document.place(table.span());
         let Table(table) = table.into_inner();
@@ -435,9 +449,9 @@ fn of_document(
                 channel: table.channel,
             })?,
         };
-        if let (None, Some(reference)) = (given, &reference) {
+        if let (None, Some(reference)) = (given, references.first()) {
             let (exposure, warning) =
-                exposure_by_camera(&place, reference, &mut source, &capture.shot)?;
+                exposure_by_camera(&place, "[[capture]]", reference, &mut source, &capture.shot)?;
             capture.shot.exposure = exposure;
             warnings.push(warning);
         }
@@ -452,7 +466,7 @@ fn of_document(
         campaign: Campaign {
             file: file.to_owned(),
             setup,
-            reference,
+            references,
             captures,
             warnings,
         },
@@ -519,10 +533,12 @@ fn doubt(captures: &[Capture], warnings: &mut Vec<String>) {
     }
 }
 
-/// Returns the exposure of a capture relative to its reference, from the settings of the camera,
-/// and a warning about its accuracy. `source` keeps the settings of the reference.
+/// Returns the exposure of a photograph of `table` relative to the first reference, from the
+/// settings of the camera, and a warning about its accuracy. `source` keeps the settings of the
+/// reference.
 fn exposure_by_camera(
     place: &FileLine,
+    table: &str,
     reference: &Shot,
     source: &mut Option<Settings>,
     shot: &Shot,
@@ -530,7 +546,7 @@ fn exposure_by_camera(
     let settings = |image: &Path| {
         Settings::of(image).map_err(|lack| {
             place.clone().error(format!(
-                "`exposure` is missing from [[capture]], and {} has {lack}; add `exposure`",
+                "`exposure` is missing from {table}, and {} has {lack}; add `exposure`",
                 image.display()
             ))
         })

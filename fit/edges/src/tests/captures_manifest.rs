@@ -78,7 +78,7 @@ fn every_key_arrives_and_captures_override_the_setup() {
         .map(|line| (line.wavelength_nm, line.weight))
         .collect();
     assert_eq!(lines, [(450.0, 0.2), (550.0, 0.5)]);
-    let reference = campaign.reference.as_ref().unwrap();
+    let reference = &campaign.references[0];
     assert_eq!(
         (reference.exposure, reference.roi),
         (
@@ -132,7 +132,7 @@ fn every_key_arrives_and_captures_override_the_setup() {
     assert_eq!(two.shot.decode.channel, Channel::Named("view.L".to_owned()));
     assert_eq!(two.shot.place.line, 26);
     // Keys in [setup] hold for every photograph.
-    let source = campaign.reference.as_ref().expect("it is named");
+    let source = &campaign.references[0];
     for shot in [source, &one.shot, &two.shot] {
         assert_eq!(shot.accepted, [Accepted::Doubled]);
     }
@@ -215,5 +215,60 @@ fn the_expected_table_is_a_hash_of_either_case() {
     for bad in [&hash[1..], &long, &none, ""] {
         let error = read(&format!("expect_table = \"{bad}\"")).unwrap_err();
         assert!(error.to_string().contains("no content hash"), "{error}");
+    }
+}
+
+/// One table and an array of tables are both read, in their order. A further reference without
+/// `exposure` needs the camera's settings, which EXR does not have.
+#[test]
+fn one_reference_or_several_are_read() {
+    let rest = "[[capture]]\nimage = \"one.exr\"\nfloating_distance_mm = 1\nincidence_deg = 0\n\
+        exposure = 2\n";
+    let setup = "[setup]\npixel_pitch_mm = 1\n";
+    let several = "[[reference]]\nimage = \"two.exr\"\n[[reference]]\nimage = \"source.exr\"\n\
+        exposure = 3\n";
+    let mut cases = 0;
+    for (references, expected) in [
+        ("", vec![]),
+        (
+            "[reference]\nimage = \"source.exr\"\n",
+            vec![("source.exr", 1.0)],
+        ),
+        (
+            "[[reference]]\nimage = \"one.exr\"\n",
+            vec![("one.exr", 1.0)],
+        ),
+        (several, vec![("two.exr", 1.0), ("source.exr", 3.0)]),
+    ] {
+        let (folder, campaign) = campaign(&format!("{setup}{references}{rest}"));
+        let found = campaign.references.iter();
+        let found: Vec<_> = found.map(|own| (own.image.clone(), own.exposure)).collect();
+        let all = expected.into_iter();
+        let all: Vec<_> = all
+            .map(|(name, by)| (folder.path().join(name), by))
+            .collect();
+        assert_eq!(found, all);
+        cases += 1;
+    }
+    assert_eq!(cases, 4);
+    let (folder, _) = campaign(&format!("{setup}{rest}"));
+    let file = folder.path().join("captures.toml");
+    for (text, line) in [
+        (several.replace("exposure = 3", ""), 6),
+        (several.replace("exposure", "expose"), 7),
+        (several.replace("source.exr", "none.exr"), 6),
+        ("reference = 3\n".to_owned(), 1),
+    ] {
+        let order = if text.starts_with('r') {
+            format!("{text}{setup}{rest}")
+        } else {
+            format!("{setup}{text}{rest}")
+        };
+        std::fs::write(&file, order).unwrap();
+        let fault = captures::load(&file).unwrap_err().to_string();
+        assert!(
+            fault.contains(&format!("captures.toml:{line}: ")),
+            "{fault}"
+        );
     }
 }

@@ -31,6 +31,7 @@
 //! remains is a function of blur and lens alone.
 
 use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use crate::compare::light;
@@ -166,62 +167,54 @@ impl<'a> Photograph<'a> {
     }
 
     /// Evaluates the edge profile through `camera`, with its derivatives. Without a `model` the
-    /// profile is that of the source edge itself. Derivatives by the lens are those by the first
-    /// `lens` of its parameters (ln blur, exponent).
-    pub fn curves(&self, model: Option<(&Model, Blur)>, camera: &Camera, lens: usize) -> Curves {
+    /// profile is that of the source edge itself. Derivatives by the lens are those by these numbers
+    /// of the camera's lenses, see [`Camera::numbers`].
+    pub fn curves(&self, model: Option<(&Model, Blur)>, camera: &Camera, lens: &[usize]) -> Curves {
         let normal_rad = self.pixels.line.normal_rad;
         let blurs = model.map_or((false, false), |(model, _)| {
             (model.kernel.has_lobe(), model.kernel.has_c())
         });
         let n = self.grid.frequencies_per_mm().len();
-        // OTF and its derivatives by ln spread, ln c, ln(lens blur) and the exponent.
-        let mut otf = [const { Vec::new() }; 5];
-        for part in &mut otf {
+        // OTF and its derivatives by ln spread, ln c, and the numbers of the lens.
+        let mut otf = [const { Vec::new() }; 3];
+        let mut by_lens: Vec<Vec<Complex64>> = vec![Vec::new(); lens.len()];
+        for part in otf.iter_mut().chain(&mut by_lens) {
             part.reserve(n);
         }
+        let mut slopes = vec![0.0; camera.numbers()];
+        let camera = camera.along(normal_rad);
         for f in self.grid.frequencies_per_mm() {
-            let camera = camera.otf_and_slopes(f, normal_rad);
+            let seen = if lens.is_empty() {
+                camera.otf(f)
+            } else {
+                camera.otf_and_slopes(f, &mut slopes)
+            };
             let [value, by_spread, by_c] = match model {
-                Some((model, blur)) if camera[0].abs() >= 1e-8 => model.otf(blur, f),
+                Some((model, blur)) if seen.abs() >= 1e-8 => model.otf(blur, f),
                 Some(_) => [0.0.into(); 3],
                 None => [1.0.into(), 0.0.into(), 0.0.into()],
             };
-            let parts = [
-                value * camera[0],
-                by_spread * camera[0],
-                by_c * camera[0],
-                value * camera[1],
-                value * camera[2],
-            ];
-            for (otf, part) in otf.iter_mut().zip(parts) {
-                otf.push(part);
+            for (otf, part) in otf.iter_mut().zip([value, by_spread, by_c]) {
+                otf.push(part * seen);
+            }
+            for (otf, &number) in by_lens.iter_mut().zip(lens) {
+                otf.push(value * slopes[number]);
             }
         }
         let [kink, kink_by_spread, kink_by_c] =
             model.map_or([0.0; 3], |(model, blur)| model.kink(blur));
-        let wanted = [
-            (blurs.0, 1, kink_by_spread),
-            (blurs.1, 2, kink_by_c),
-            (lens > 0, 3, 0.0),
-            (lens > 1, 4, 0.0),
-        ];
-        let of = |wanted: &[(bool, usize, f64)]| -> Vec<Even> {
-            let wanted = wanted.iter().filter(|&&(is, ..)| is);
-            wanted
-                .map(|&(_, part, kink)| self.grid.even(&otf[part], kink))
-                .collect()
-        };
+        let wanted = [(blurs.0, 1, kink_by_spread), (blurs.1, 2, kink_by_c)];
+        let wanted = wanted.into_iter().filter(|&(is, ..)| is);
+        let by_blur = wanted.map(|(_, part, kink)| self.grid.even(&otf[part], kink));
         // A Gaussian factor does not change the kink at frequency 0.
         let slopes = model
             .into_iter()
             .flat_map(|(model, _)| model.variance_slopes());
         let further = slopes.map(|by| self.grid.even(&by_variance(&self.grid, &otf[0], by), 0.0));
-        let mut by = of(&wanted[..2]);
-        by.extend(further);
-        by.extend(of(&wanted[2..]));
+        let by_lens = by_lens.iter().map(|otf| self.grid.even(otf, 0.0));
         Curves {
             value: self.grid.even(&otf[0], kink),
-            by,
+            by: by_blur.chain(further).chain(by_lens).collect(),
         }
     }
 

@@ -236,8 +236,8 @@ pub(crate) fn by_variance(grid: &Grid, otf: &[Complex64], by: f64) -> Vec<Comple
 
 /// Evaluates the OTF of a camera along a normal at the frequencies of a grid.
 fn seen_by(camera: &Camera, grid: &Grid, normal_rad: f64) -> Vec<f64> {
-    let frequencies = grid.frequencies_per_mm();
-    frequencies.map(|f| camera.otf(f, normal_rad)).collect()
+    let camera = camera.along(normal_rad);
+    grid.frequencies_per_mm().map(|f| camera.otf(f)).collect()
 }
 
 /// Factors the covariance that bin noise gives the measured modulus. The zero frequency is left

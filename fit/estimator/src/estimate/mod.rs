@@ -9,6 +9,7 @@
 //! - [`layout`]: the parameters of a candidate, and their order in a vector.
 //! - [`direction`], [`scene`], `perturbed`: photographs with their directions. `compared`: their
 //!   models.
+//! - `optics`, `reference`, `empirical`: the lens, by photographs of the source edge.
 //! - `joint`, [`loss`]: the function that is minimised. [`start`], [`optimum`]: its minimum.
 //! - `covariance`, [`fitted`]: the results that follow from the minimum.
 //! - [`select`](mod@select): the choice of the terms. `further`: that of further blurs.
@@ -29,6 +30,7 @@ pub use campaign::{Estimated, Options};
 pub use progress::{Progress, Step};
 pub use scene::perturbed::{Conditions, OtherIndex};
 pub use scene::reference::measure as measured_reference;
+pub use scene::reference::measure_parametric;
 pub use scene::{Aerial, Scene};
 pub use search::azimuth::{Azimuth, find, scatter};
 pub use search::bound::Bound;

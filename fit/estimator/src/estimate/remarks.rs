@@ -1,10 +1,11 @@
-//! Warnings about the table with which a campaign is fitted.
+//! Warnings about the table and the references with which a campaign is fitted.
 
 use tables::Table;
 use tables::options::Element;
 
 use crate::compare::View;
-use crate::model::ExitBins;
+use crate::estimate::scene::reference::Reference;
+use crate::model::{Camera, ExitBins};
 use edges::photographs::Campaign;
 use edges::photographs::photo::taken::Taken;
 
@@ -108,4 +109,49 @@ pub(crate) fn of_transfers<'a>(
         "the reference was read as {reference}, but {image} as {other}: mu compares the two; set \
         `transfer` if this is wrong"
     ))
+}
+
+/// Returns a warning if references of several directions show the lens, and a capture lies far from
+/// all of them. `captures` holds the name and the measured edge of each.
+///
+/// Between two perpendicular references the lens is known but for a cross term, which is at its
+/// largest 45 degrees from both.
+pub(crate) fn of_directions<'a>(
+    reference: &Reference,
+    camera: &Camera,
+    captures: impl Iterator<Item = (&'a str, &'a View)>,
+) -> Option<String> {
+    // This limit is a convention.
+    const FAR_DEG: f64 = 30.0;
+    if camera.lenses.len() < 2 {
+        return None;
+    }
+    let off = |view: &View| reference.nearest(view.line.normal_rad).1.to_degrees();
+    let farthest = captures.map(|(image, view)| (image, off(view)));
+    let (image, off) = farthest.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (off > FAR_DEG).then(|| {
+        format!(
+            "{image}: its edge is turned by {off:.0} deg against the nearest [[reference]], and the \
+            lens is interpolated between the references; photograph the source edge in this \
+            direction too"
+        )
+    })
+}
+
+/// Returns a warning for each further reference whose edge is brighter or darker per exposure than
+/// the mean of all by more than noise explains. `names` are those of the references.
+pub(crate) fn of_steps(reference: &Reference, names: &[String]) -> Vec<String> {
+    // Noise exceeds 4 deviations once in 16,000. Exposures are not known to better than the share.
+    const SURE: f64 = 4.0;
+    const SHARE: f64 = 0.005;
+    let all = reference.photographs.iter().zip(names);
+    let off = all.map(|(own, name)| (own.step / reference.step, own.step_relative_error, name));
+    let off = off.filter(|(ratio, error, _)| ratio.ln().abs() > SHARE.max(SURE * error));
+    off.map(|(ratio, _, name)| {
+        format!(
+            "{name}: its edge has {ratio:.4} of the mean light of all references per exposure, \
+            and mu is relative to this mean; check the exposures, and that the source is steady"
+        )
+    })
+    .collect()
 }

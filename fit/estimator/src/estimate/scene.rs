@@ -5,6 +5,7 @@
 //! that shares the photographs.
 
 pub mod direction;
+pub(crate) mod empirical;
 pub(crate) mod optics;
 pub(crate) mod perturbed;
 pub(crate) mod reference;
@@ -92,7 +93,7 @@ pub struct Scene {
     pub shots: Vec<Aerial>,
     /// Different incidences, degrees, ascending.
     pub groups: Vec<f64>,
-    /// Measured reference: the photograph of the source edge.
+    /// Measured references: the photographs of the source edge.
     pub reference: Option<Arc<Reference>>,
     /// Camera: box of a pixel, and the lens. Without a reference the lens is assumed.
     pub optics: Optics,
@@ -150,7 +151,7 @@ impl Scene {
             campaign,
             table,
             photo,
-            camera: optics.camera,
+            camera: optics.camera.clone(),
         };
         let (done, of) = (AtomicUsize::new(0), campaign.captures.len());
         let read: Vec<Option<Aerial>> = campaign
@@ -196,6 +197,12 @@ impl Scene {
                     image: shot.image.clone(),
                 });
             }
+            let directions = shots.iter().map(|shot| (&*shot.image, &*shot.view));
+            warnings.extend(remarks::of_directions(
+                reference,
+                &optics.camera,
+                directions,
+            ));
             let read = shots.iter().map(|shot| (&*shot.image, &shot.transfer));
             warnings.extend(remarks::of_transfers(&reference.transfer, read));
         }
@@ -284,6 +291,15 @@ impl Scene {
         })
     }
 
+    /// Returns the largest angle between the edge of a photograph and that of the nearest reference,
+    /// degrees, or `None` without a reference.
+    pub fn farthest_from_reference_deg(&self) -> Option<f64> {
+        let reference = self.reference.as_ref()?;
+        let all = self.shots.iter();
+        let off = all.map(|shot| reference.nearest(shot.view.line.normal_rad).1);
+        Some(off.fold(0.0, f64::max).to_degrees())
+    }
+
     /// Returns the mean floating distance, mm.
     pub fn mean_distance_mm(&self) -> f64 {
         self.shots.iter().map(|s| s.r_mm).sum::<f64>() / self.shots.len() as f64
@@ -310,7 +326,7 @@ pub(super) fn group(shots: &mut [Aerial]) -> Vec<f64> {
     groups
 }
 
-/// Measures the reference, if the campaign has one; otherwise assumes a lens and adds a warning.
+/// Measures the references, if the campaign has any; otherwise assumes a lens and adds a warning.
 ///
 /// # Errors
 /// Fails if the photograph cannot be read or has no usable edge.
@@ -320,7 +336,7 @@ fn source_edge(
     warnings: &mut Vec<String>,
 ) -> Result<(Option<Reference>, Optics), Error> {
     let pitch_mm = campaign.setup.pixel_pitch_mm;
-    let Some(shot) = &campaign.reference else {
+    if campaign.references.is_empty() {
         if !warnings.iter().any(|said| said.contains(NO_REFERENCE)) {
             warnings.push(format!(
                 "{NO_REFERENCE} photograph: the blur of the lens is assumed, and mu cannot be \
@@ -328,18 +344,31 @@ fn source_edge(
             ));
         }
         return Ok((None, Optics::assumed(pitch_mm)));
-    };
+    }
     let pixel = Camera {
         pitch_mm,
-        lens: None,
+        lenses: Vec::new(),
     };
-    let measured = measure(shot, photo, pitch_mm, 0.0, &pixel)?;
-    let name = name(&shot.image);
-    let notes = measured.warnings.into_iter();
-    warnings.extend(notes.map(|note| format!("{name}: {note}")));
-    let (reference, optics) = reference::measure(&measured.view, measured.pixels, shot.exposure);
+    let (mut sources, mut transfer) = (Vec::new(), None);
+    for shot in &campaign.references {
+        let measured = measure(shot, photo, pitch_mm, 0.0, &pixel)?;
+        let name = name(&shot.image);
+        let notes = measured.warnings.into_iter();
+        warnings.extend(notes.map(|note| format!("{name}: {note}")));
+        match &transfer {
+            None => transfer = Some(measured.transfer),
+            Some(first_read) => {
+                let read = std::iter::once((name.as_str(), &measured.transfer));
+                warnings.extend(remarks::of_transfers(first_read, read));
+            }
+        }
+        sources.push((measured.view, measured.pixels, shot.exposure));
+    }
+    let (reference, optics) = reference::measure(sources);
+    let names = campaign.references.iter().map(|shot| name(&shot.image));
+    warnings.extend(remarks::of_steps(&reference, &names.collect::<Vec<_>>()));
     let reference = Reference {
-        transfer: measured.transfer,
+        transfer: transfer.unwrap_or_default(),
         ..reference
     };
     Ok((Some(reference), optics))

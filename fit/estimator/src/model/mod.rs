@@ -7,6 +7,7 @@
 
 pub mod baseline;
 mod camera;
+mod departure;
 mod edge;
 mod exits;
 pub mod further;
@@ -17,6 +18,7 @@ pub mod wave;
 pub use baseline::Baseline;
 pub use baseline::{fresnel, returned};
 pub use camera::{Camera, Lens};
+pub use departure::Departure;
 pub use edge::{Blur, Curve, Model};
 pub(crate) use exits::ExitBins;
 pub use further::Further;

@@ -11,6 +11,7 @@ use crate::estimate::Ranked;
 use crate::estimate::Unverified;
 use crate::estimate::Value;
 use crate::estimate::{Aerial, Scene};
+use crate::model::{Camera, Lens};
 use crate::result::domain::Domain;
 use crate::result::quality::FitResult;
 use crate::result::table::TableResult;
@@ -205,7 +206,7 @@ pub struct CaptureResult {
 }
 
 /// Camera that was used.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CameraResult {
     /// Width of a pixel in the plane of the mid-air image, mm.
     pub pixel_pitch_mm: f64,
@@ -218,6 +219,29 @@ pub struct CameraResult {
     /// True if there is no reference photograph, so that the lens was assumed.
     #[serde(default)]
     pub lens_assumed: bool,
+    /// OTF of the lens along each direction in which it was measured; empty in older results.
+    #[serde(default)]
+    pub lens: Vec<LensResult>,
+    /// Largest angle between the edge of a photograph and that of the nearest reference, degrees.
+    ///
+    /// A lens that one direction shows is taken for round. It is null without a reference
+    /// photograph, and in older results.
+    #[serde(default)]
+    pub farthest_from_reference_deg: Option<f64>,
+}
+
+/// Lens along one direction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LensResult {
+    /// Direction of the edge normal, degrees: 0 is right (+x), 90 is down (+y). It is null for a
+    /// lens that is taken for round.
+    pub edge_angle_deg: Option<f64>,
+    /// Number of terms that the lens has beside exp(-(f blur)^exponent).
+    pub terms: usize,
+    /// Frequencies along the normal, cycles per pixel.
+    pub frequency_per_px: Vec<f64>,
+    /// OTF of the lens at these frequencies, without the box of the pixel.
+    pub otf: Vec<f64>,
 }
 
 /// Samples of a rendered model.
@@ -336,7 +360,7 @@ impl ResultFile {
         let kernel = best.choice.kernel;
         let written = Written { estimated };
         let is_rough = kernel.is_baseline();
-        let lens = best.camera.lens;
+        let lens = best.camera.lenses.first();
         let reference = scene.reference.as_ref().map(|own| &own.transfer);
         ResultFile {
             model: kernel.family(),
@@ -385,6 +409,8 @@ impl ResultFile {
                 lens_blur_mm: lens.map(|l| l.blur_mm),
                 lens_exponent: lens.map(|l| l.exponent),
                 lens_assumed: scene.optics.assumed,
+                lens: lenses(&best.camera),
+                farthest_from_reference_deg: scene.farthest_from_reference_deg(),
             },
             half_mirror: scene.half_mirror,
             seen_in_mirror: Some(estimated.campaign.setup.is_in_mirror()),
@@ -395,6 +421,26 @@ impl ResultFile {
             warnings: estimated.warnings.clone(),
         }
     }
+}
+
+/// Returns the OTF of each lens of a camera at frequencies up to 1.5 cycles per pixel. They are as
+/// close as a halo of 20 pixels needs at low frequencies, and as a pupil needs at high ones.
+fn lenses(camera: &Camera) -> Vec<LensResult> {
+    const COUNT: i32 = 48;
+    const LAST_PER_PX: f64 = 1.5;
+    let is_round = camera.lenses.len() == 1;
+    let one = |lens: &Lens| {
+        let all = (0..=COUNT).map(|k| LAST_PER_PX * (f64::from(k) / f64::from(COUNT)).powi(2));
+        let frequency_per_px: Vec<f64> = all.collect();
+        let at = |f: &f64| lens.otf(f / camera.pitch_mm);
+        LensResult {
+            edge_angle_deg: (!is_round).then(|| lens.normal_rad.to_degrees()),
+            terms: lens.departure.as_ref().map_or(0, |own| own.terms.len()),
+            otf: frequency_per_px.iter().map(at).collect(),
+            frequency_per_px,
+        }
+    };
+    camera.lenses.iter().map(one).collect()
 }
 
 /// Numbers of an estimate as the file has them.

@@ -25,6 +25,9 @@ readers! {
     quality = Bounds::new("a whole number between 1 and 100", |x| {
         (1.0..=100.0).contains(&x) && x.fract() == 0.0
     });
+    halo = Bounds::new("at least 0 and at most 0.5", |x| (0.0..=0.5).contains(&x));
+    cutoff = Bounds::new("between 0.1 and 8", |x| (0.1..=8.0).contains(&x));
+    sharpening = Bounds::new("at least 0 and at most 4", |x| (0.0..=4.0).contains(&x));
     gain = Bounds::new("between -0.5 and 0.5", |x| (-0.5..=0.5).contains(&x));
     fall = Bounds::new("at least 0 and below 0.9", |x| (0.0..0.9).contains(&x));
     bent = Bounds::new("between -10 and 10", |x| (-10.0..=10.0).contains(&x));
@@ -49,6 +52,23 @@ pub struct PlantedCamera {
     /// Standard deviation of the lens blur, pixels, >= 0.1.
     #[serde(deserialize_with = "lens")]
     pub sigma_px: f64,
+    /// Standard deviation along y, if it is another than along x, pixels: an astigmatic lens.
+    #[serde(deserialize_with = "lens")]
+    pub sigma_down_px: Option<f64>,
+    /// Perfect lens with a round pupil instead of the Gaussian one: the frequency at which its OTF
+    /// ends, cycles per pixel.
+    #[serde(deserialize_with = "cutoff")]
+    pub pupil_cutoff_per_px: Option<f64>,
+    /// Share of the light that the lens scatters into a halo.
+    #[serde(deserialize_with = "halo")]
+    pub halo_share: f64,
+    /// Length over which the halo's line spread falls to 1/e, pixels.
+    #[serde(deserialize_with = "positive")]
+    pub halo_px: f64,
+    /// Sharpening by the camera: the share of the difference between a pixel and the mean of 3 x 3
+    /// pixels that is added to it.
+    #[serde(deserialize_with = "sharpening")]
+    pub sharpening: f64,
     /// Bright level of the source at exposure 1, full scale 1.
     #[serde(deserialize_with = "positive")]
     pub source_level: f64,
@@ -413,6 +433,11 @@ impl Default for PlantedCamera {
             pixel_pitch_mm: 0.05,
             seen_in_mirror: false,
             sigma_px: 0.55,
+            sigma_down_px: None,
+            pupil_cutoff_per_px: None,
+            halo_share: 0.0,
+            halo_px: 20.0,
+            sharpening: 0.0,
             source_level: 0.9,
             half_mirror_transmittance: 0.5,
             half_mirror_reflectance: 0.5,

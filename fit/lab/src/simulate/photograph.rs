@@ -11,7 +11,7 @@
 //! The level of a pixel is veil + exposure x contrast x light x (dark_ratio + (1 - dark_ratio)
 //! E(s)). The contrast is source_level for the reference, and source_level x mu x eta x T x R of
 //! the half mirror for a capture. The photograph then gets shot noise and read noise in electrons,
-//! is rounded to the converter's steps, and is clipped to [0, 1]. It may then go through JPEG.
+//! is sharpened if the camera does so, is rounded to the converter's steps, and is clipped to [0, 1]. It may then go through JPEG.
 
 use crate::simulate::cell;
 use crate::simulate::cell::CubeShift;
@@ -20,7 +20,7 @@ use crate::simulate::jpeg;
 use crate::simulate::noise::PixelNoise;
 use crate::simulate::params::{ByIncidence, Params, PlantedCamera, PlantedEdge};
 use crate::simulate::params::{PlantedSheet, no_entry};
-use crate::simulate::profile::{EdgeBlur, EdgeProfile, STEPS_PER_PIXEL, Spread};
+use crate::simulate::profile::{EdgeBlur, EdgeProfile, LensBlur, STEPS_PER_PIXEL, Spread};
 use edges::document::FileLine;
 use edges::names::Kernel;
 use edges::names::LobeShape;
@@ -166,10 +166,37 @@ pub(crate) fn exposed(params: &Params, index: Option<usize>, light: Vec<f64>) ->
         } else {
             electrons / camera.full_well_e
         };
-        (level.clamp(0.0, 1.0) * steps).round() / steps
+        level
     };
     let pixels = light.into_iter().enumerate();
-    pixels.map(|pixel| expose(pixel) as f32).collect()
+    let mut levels: Vec<f64> = pixels.map(expose).collect();
+    if camera.sharpening > 0.0 {
+        levels = sharpened(&levels, camera);
+    }
+    let stored = |level: f64| (level.clamp(0.0, 1.0) * steps).round() / steps;
+    levels
+        .into_iter()
+        .map(|level| stored(level) as f32)
+        .collect()
+}
+
+/// Adds a share of the difference between each pixel and the mean of the 3 x 3 pixels about it. The
+/// border is repeated.
+fn sharpened(levels: &[f64], camera: &PlantedCamera) -> Vec<f64> {
+    let (width, height) = (camera.width, camera.height);
+    let mean = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
+        let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
+        let all = rows
+            .iter()
+            .flat_map(|y| columns.map(|x| levels[y * width + x]));
+        all.sum::<f64>() / 9.0
+    };
+    let pixels = levels.iter().enumerate();
+    pixels
+        .map(|(i, level)| level + camera.sharpening * (level - mean(i)))
+        .collect()
 }
 
 /// Returns the pixels of a photograph as its file has them: those of [`photograph`], through JPEG
@@ -189,6 +216,11 @@ pub(crate) fn saved(params: &Params, index: Option<usize>) -> Result<Vec<f32>, E
 
 fn source_blur(camera: &PlantedCamera, edge: &PlantedEdge) -> EdgeBlur {
     let normal_rad = edge.normal_deg.to_radians();
+    // Variances of an elliptic Gaussian along its axes add up along a normal.
+    let sigma_px = camera.sigma_down_px.map_or(camera.sigma_px, |down| {
+        let (sin, cos) = normal_rad.sin_cos();
+        (camera.sigma_px * cos).hypot(down * sin)
+    });
     EdgeBlur {
         normal_rad,
         normal_in_picture_rad: normal_rad,
@@ -196,7 +228,14 @@ fn source_blur(camera: &PlantedCamera, edge: &PlantedEdge) -> EdgeBlur {
         shifts: Vec::new(),
         scale_mm: [0.0, 0.0],
         pixel_pitch_mm: camera.pixel_pitch_mm,
-        sigma_mm: camera.sigma_px * camera.pixel_pitch_mm,
+        lens: LensBlur {
+            sigma_mm: sigma_px * camera.pixel_pitch_mm,
+            pupil_cutoff_per_mm: camera
+                .pupil_cutoff_per_px
+                .map(|cutoff| cutoff / camera.pixel_pitch_mm),
+            halo_share: camera.halo_share,
+            halo_mm: camera.halo_px * camera.pixel_pitch_mm,
+        },
     }
 }
 
@@ -273,7 +312,10 @@ fn aerial_blur(params: &Params, index: usize) -> Result<(EdgeBlur, f64), Error> 
     let blur = EdgeBlur {
         normal_rad,
         // Two independent normal offsets add up to one.
-        sigma_mm: source.sigma_mm.hypot(offset_mm),
+        lens: LensBlur {
+            sigma_mm: source.lens.sigma_mm.hypot(offset_mm),
+            ..source.lens
+        },
         spread,
         shifts: if truth.kernel == Kernel::Lobe {
             Vec::new()

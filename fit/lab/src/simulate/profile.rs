@@ -7,6 +7,8 @@
 //! is then of fourth order in the step. With [`STEPS_PER_PIXEL`] it is below 1e-7 of the contrast
 //! (measured by halving the step), for lenses of sigma >= 0.1 pixel.
 
+use std::f64::consts::PI;
+
 use crate::simulate::cell::{CubeShift, Ramp, marginal};
 use crate::simulate::lobe_edge::lobe_edge;
 use crate::simulate::wave_edge::wave_edge;
@@ -50,9 +52,26 @@ pub(crate) struct EdgeBlur {
     pub scale_mm: [f64; 2],
     /// Side of a pixel, mm.
     pub pixel_pitch_mm: f64,
-    /// Standard deviation of the lens blur, mm, >= 0.1 pixel.
-    pub sigma_mm: f64,
+    /// Blur of the lens.
+    pub lens: LensBlur,
 }
+
+/// Blur of a lens.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LensBlur {
+    /// Standard deviation of a Gaussian along the edge normal, mm, >= 0.1 pixel.
+    pub sigma_mm: f64,
+    /// End of the OTF of a perfect round pupil, which stands in place of the Gaussian, 1/mm.
+    pub pupil_cutoff_per_mm: Option<f64>,
+    /// Share of the light that goes into a halo.
+    pub halo_share: f64,
+    /// Length over which the halo's line spread falls to 1/e, mm.
+    pub halo_mm: f64,
+}
+
+/// Distance beyond which the light of a pupil or a halo is left out, pixels, and given to the rest:
+/// 6e-4 of the light of a pupil that ends at 1 cycle per pixel.
+const SCATTER_PX: f64 = 200.0;
 
 /// An edge profile on a grid: 0 far on the dark side, 1 far on the bright side.
 #[derive(Debug, Clone)]
@@ -149,6 +168,26 @@ impl Masses {
         Masses { half, masses }
     }
 
+    /// Takes an even density at the grid points, up to a factor. The density must be smooth, or of a
+    /// width of many steps.
+    fn sampled(half: usize, step: f64, density: impl Fn(f64) -> f64) -> Masses {
+        let right: Vec<f64> = (0..=half).map(|i| density(i as f64 * step)).collect();
+        let left = right.iter().skip(1).rev();
+        let values: Vec<f64> = left.chain(&right).copied().collect();
+        let total: f64 = values.iter().sum();
+        let masses = values.iter().map(|value| value / total).collect();
+        Masses { half, masses }
+    }
+
+    /// Returns the mass at point `i` of a grid with `half` points on each side, at least as many as
+    /// this one has.
+    fn at(&self, i: usize, half: usize) -> f64 {
+        let own = (i + self.half).checked_sub(half);
+        own.and_then(|own| self.masses.get(own))
+            .copied()
+            .unwrap_or(0.0)
+    }
+
     fn convolved(&self, other: &Masses) -> Masses {
         let half = self.half + other.half;
         let mut masses = vec![0.0; 2 * half + 1];
@@ -187,18 +226,55 @@ impl Masses {
     }
 }
 
+/// Returns the masses of the lens along the edge normal.
+fn lens_masses(lens: &LensBlur, pitch_mm: f64, step: f64) -> Masses {
+    let sigma = lens.sigma_mm;
+    let far = (SCATTER_PX * pitch_mm / step).ceil() as usize;
+    let core = match lens.pupil_cutoff_per_mm {
+        None => {
+            let half = (8.5 * sigma / step).ceil() as usize;
+            Masses::sampled(half, step, |s| (-0.5 * (s / sigma).powi(2)).exp())
+        }
+        Some(cutoff) => Masses::sampled(far, step, |s| pupil_line_spread(s, cutoff)),
+    };
+    if lens.halo_share == 0.0 {
+        return core;
+    }
+    // The isotropic spread K0(r / h) / (2 pi h^2) has this line spread along every normal.
+    let halo = Masses::sampled(far, step, |s| (-s.abs() / lens.halo_mm).exp());
+    let half = far.max(core.half);
+    let masses = (0..=2 * half)
+        .map(|i| (1.0 - lens.halo_share) * core.at(i, half) + lens.halo_share * halo.at(i, half));
+    Masses {
+        half,
+        masses: masses.collect(),
+    }
+}
+
+/// Returns the line spread of a perfect lens with a round pupil, at `s` from its middle, up to a
+/// factor.
+///
+/// Light that spreads along the line adds up over the chords of the pupil, by Parseval's theorem
+/// along the other axis. A chord of half width w cos(phi), with w half the cutoff, gives the
+/// pattern of a slit, (sin(2 pi s w cos(phi)) / (pi s))^2. The midpoint rule over phi errs by the
+/// fourth power of its step once each oscillation has some points.
+fn pupil_line_spread(s: f64, cutoff: f64) -> f64 {
+    let w = 0.5 * cutoff;
+    let phase = 2.0 * PI * s * w;
+    let count = 64 + (4.0 * phase.abs()) as usize;
+    let chord = |k: usize| {
+        let cos = ((k as f64 + 0.5) * PI / count as f64 - 0.5 * PI).cos();
+        let x = phase * cos;
+        let slit = if x.abs() < 1e-9 { 1.0 } else { x.sin() / x };
+        // (2 w cos)^2 of the slit at its middle, and cos of the chord's place.
+        cos.powi(3) * slit * slit
+    };
+    (0..count).map(chord).sum::<f64>() / count as f64
+}
+
 /// Returns the masses of ray shift, pixel and lens along the edge normal.
 fn compact(blur: &EdgeBlur, step: f64) -> Masses {
-    let sigma = blur.sigma_mm;
-    let half = (8.5 * sigma / step).ceil() as usize;
-    let bell: Vec<f64> = (0..=2 * half)
-        .map(|i| (-0.5 * ((i as f64 - half as f64) * step / sigma).powi(2)).exp())
-        .collect();
-    let total: f64 = bell.iter().sum();
-    let mut kernel = Masses {
-        half,
-        masses: bell.iter().map(|value| value / total).collect(),
-    };
+    let mut kernel = lens_masses(&blur.lens, blur.pixel_pitch_mm, step);
     let (sin, cos) = blur.normal_in_picture_rad.sin_cos();
     for width in [
         blur.pixel_pitch_mm * cos.abs(),
@@ -278,7 +354,12 @@ mod tests {
             shifts: shifts(incidence, 30_f64.to_radians(), 1.49, true),
             scale_mm: [c_mm * incidence.cos(), c_mm],
             pixel_pitch_mm: 0.05,
-            sigma_mm: sigma_px * 0.05,
+            lens: LensBlur {
+                sigma_mm: sigma_px * 0.05,
+                pupil_cutoff_per_mm: None,
+                halo_share: 0.0,
+                halo_mm: 1.0,
+            },
         }
     }
 
@@ -383,7 +464,7 @@ mod tests {
                     .map(|part| part * blur.pixel_pitch_mm);
                 along[0] * (shift[0] * blur.scale_mm[0] + pixel[0])
                     + along[1] * (shift[1] * blur.scale_mm[1] + pixel[1])
-                    + blur.sigma_mm * draw.normal()
+                    + blur.lens.sigma_mm * draw.normal()
             })
             .collect();
         offsets.sort_by(f64::total_cmp);

@@ -188,7 +188,11 @@ pub(crate) fn campaign(params: &Params, accepted: &[Accepted]) -> Campaign {
             half_mirror_reflectance: camera.half_mirror_reflectance,
             spectrum: params.truth.spectrum.clone(),
         },
-        reference: params.reference.map(|edge| shot(None, edge.exposure)),
+        references: params
+            .reference
+            .iter()
+            .map(|edge| shot(None, edge.exposure))
+            .collect(),
         captures: params
             .captures
             .iter()

@@ -473,7 +473,7 @@ impl Sheet {
                 half_mirror_reflectance: 0.5,
                 spectrum: None,
             },
-            reference: Some(shot("source".into(), 1.0)),
+            references: vec![shot("source".into(), 1.0)],
             captures,
             warnings: Vec::new(),
         };

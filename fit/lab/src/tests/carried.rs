@@ -10,10 +10,10 @@ use estimator::compare::{Contrast, View};
 use estimator::estimate::scene::Scene;
 use estimator::estimate::search::optimum::optimum;
 use estimator::estimate::{Choice, Estimate, Kind, Loss};
-use estimator::estimate::{bounds, estimate, measured_reference, sum_of_squares_with};
+use estimator::estimate::{bounds, estimate, measure_parametric, sum_of_squares_with};
 use estimator::model::Camera;
 use estimator::model::Lens;
-use nalgebra::{DMatrix, DVector, Matrix2};
+use nalgebra::{DMatrix, DVector};
 
 /// Returns the logarithms of c, a and mu.
 fn logarithms(fit: &Estimate) -> DVector<f64> {
@@ -230,11 +230,11 @@ fn photographs_of_one_incidence_share_the_error_of_eta() {
 /// Returns a scene whose photographs are modelled through another lens.
 fn through(scene: &Scene, lens: Lens) -> Scene {
     let camera = Camera {
-        lens: Some(lens),
+        lenses: vec![lens],
         ..scene.optics.camera
     };
     let mut other = scene.clone();
-    other.optics.camera = camera;
+    other.optics.camera = camera.clone();
     for shot in &mut other.shots {
         let view = &shot.view;
         // The tangential axis of planted photographs is +x.
@@ -261,16 +261,17 @@ fn the_error_of_the_lens_is_carried_to_every_parameter() {
         &params(52, planted, &incidence, &[150.0, 300.0], camera(1e9)),
         &of_ideal,
     );
-    let covariance = Matrix2::new(1e-4, 3e-5, 3e-5, 4e-4);
-    let with = |lens_covariance: Matrix2<f64>| {
+    let covariance = DMatrix::from_row_slice(2, 2, &[1e-4, 3e-5, 3e-5, 4e-4]);
+    let with = |lens_covariance: &DMatrix<f64>| {
         let mut other = scene.clone();
-        other.optics.covariance = lens_covariance;
+        other.optics.covariance = lens_covariance.clone();
         of_logarithms(&fitted(&other, SHARED, Kind::Mtf))
     };
-    let found = with(covariance) - with(Matrix2::zeros());
-    let lens = scene.optics.camera.lens.expect("the reference gives one");
+    let found = with(&covariance) - with(&DMatrix::zeros(2, 2));
+    let lens = &scene.optics.camera.lenses[0];
     let step = 2e-3;
-    let of_step = scene.reference.as_ref().expect("there is one").step_by_lens;
+    let reference = scene.reference.as_ref().expect("there is one");
+    let of_step = &reference.step_by_lens;
     let slope = |k: usize, change: &dyn Fn(f64) -> Lens| {
         let at = |by: f64| logarithms(&fitted(&through(&scene, change(by)), SHARED, Kind::Mtf));
         let mut slope = (at(step) - at(-step)) / (2.0 * step);
@@ -280,11 +281,11 @@ fn the_error_of_the_lens_is_carried_to_every_parameter() {
     let slopes = [
         slope(0, &|by| Lens {
             blur_mm: lens.blur_mm * by.exp(),
-            ..lens
+            ..lens.clone()
         }),
         slope(1, &|by| Lens {
             exponent: lens.exponent + by,
-            ..lens
+            ..lens.clone()
         }),
     ];
     let mut expected = DMatrix::zeros(3, 3);
@@ -320,17 +321,14 @@ fn a_planted_lens_and_its_step_are_found() {
     let pitch_mm = scene.optics.camera.pitch_mm;
     let pixel = Camera {
         pitch_mm,
-        lens: None,
+        lenses: Vec::new(),
     };
     let shot = &scene.shots[0];
     let mut cases = 0;
     for exponent in [1.0, 1.4, 2.6] {
         let of = |ln_blur: f64, exponent: f64| Camera {
-            lens: Some(Lens {
-                blur_mm: ln_blur.exp(),
-                exponent,
-            }),
-            ..pixel
+            pitch_mm,
+            lenses: vec![Lens::new(ln_blur.exp(), exponent)],
         };
         let ln_blur = (2.5 * pitch_mm).ln();
         let mut profile = shot.view.profile.clone();
@@ -339,8 +337,8 @@ fn a_planted_lens_and_its_step_are_found() {
         profile.variance.iter_mut().for_each(|v| *v *= 1e-12);
         profile.mean = edge.iter().map(|unit| 0.02 + 0.8 * unit).collect();
         let view = View::new(shot.view.line, profile, pitch_mm, 0.0, &pixel);
-        let (found, optics) = measured_reference(&view, (*shot.pixels).clone(), 2.0);
-        let lens = optics.camera.lens.expect("it is measured");
+        let (found, optics) = measure_parametric(vec![(view.clone(), (*shot.pixels).clone(), 2.0)]);
+        let lens = &optics.camera.lenses[0];
         println!("{lens:?} {:?} {}", found.step_by_lens, found.step);
         assert!((lens.exponent - exponent).abs() < 1e-6, "{lens:?}");
         assert!((lens.blur_mm.ln() - ln_blur).abs() < 1e-6, "{lens:?}");
@@ -354,7 +352,7 @@ fn a_planted_lens_and_its_step_are_found() {
             step(ln_blur + h, exponent) - step(ln_blur - h, exponent),
             step(ln_blur, exponent + h) - step(ln_blur, exponent - h),
         ];
-        for (slope, change) in found.step_by_lens.into_iter().zip(expected) {
+        for (&slope, change) in found.step_by_lens.iter().zip(expected) {
             let difference = change / (2.0 * h);
             assert!(
                 (slope - difference).abs() < 1e-3 * difference.abs() + 1e-6,
@@ -379,14 +377,14 @@ fn a_misfit_of_the_reference_widens_the_lens() {
         &of_ideal,
     );
     let pitch_mm = scene.optics.camera.pitch_mm;
-    let of = |lens: Option<Lens>| Camera { pitch_mm, lens };
+    let of = |lens: Option<Lens>| Camera {
+        pitch_mm,
+        lenses: lens.into_iter().collect(),
+    };
     let view = &scene.shots[0].view;
     let mut found = Vec::new();
     for height in [0.0, 20.0] {
-        let lens = Lens {
-            blur_mm: 2.5 * pitch_mm,
-            exponent: 1.4,
-        };
+        let lens = Lens::new(2.5 * pitch_mm, 1.4);
         let mut profile = view.profile.clone();
         let edge = view.edge_of(&of(Some(lens))).into_iter();
         profile.mean = edge
@@ -397,13 +395,11 @@ fn a_misfit_of_the_reference_widens_the_lens() {
             })
             .collect();
         let view = View::new(view.line, profile, pitch_mm, 0.0, &of(None));
-        let (reference, optics) = measured_reference(&view, (*scene.shots[0].pixels).clone(), 1.0);
-        let lens = optics.camera.lens.expect("it is measured");
+        let pixels = (*scene.shots[0].pixels).clone();
+        let (reference, optics) = measure_parametric(vec![(view.clone(), pixels, 1.0)]);
+        let lens = &optics.camera.lenses[0];
         let residuals = |ln_blur: f64, exponent: f64| {
-            let lens = Lens {
-                blur_mm: lens.blur_mm * ln_blur.exp(),
-                exponent: lens.exponent + exponent,
-            };
+            let lens = Lens::new(lens.blur_mm * ln_blur.exp(), lens.exponent + exponent);
             let (modelled, _) = view.predict(&view.edge_of(&of(Some(lens))), &[]);
             let pairs = modelled.iter().zip(&view.mtf.modulus);
             view.whiten(&pairs.map(|(m, d)| m - d).collect::<Vec<f64>>())
@@ -446,19 +442,20 @@ fn limits_of_a_reference_are_those_that_are_stated() {
         &of_ideal,
     );
     let pitch_mm = scene.optics.camera.pitch_mm;
-    let of = |lens: Option<Lens>| Camera { pitch_mm, lens };
+    let of = |lens: Option<Lens>| Camera {
+        pitch_mm,
+        lenses: lens.into_iter().collect(),
+    };
     let view = &scene.shots[0].view;
     let at = |wide: f64| {
-        let lens = Lens {
-            blur_mm: 2.5 * pitch_mm,
-            exponent: 2.1,
-        };
+        let lens = Lens::new(2.5 * pitch_mm, 2.1);
         let mut profile = view.profile.clone();
         profile.variance.iter_mut().for_each(|v| *v *= wide);
         let edge = view.edge_of(&of(Some(lens)));
         profile.mean = edge.iter().map(|unit| 0.02 + 0.8 * unit).collect();
         let view = View::new(view.line, profile, pitch_mm, 0.0, &of(None));
-        let (reference, optics) = measured_reference(&view, (*scene.shots[0].pixels).clone(), 1.0);
+        let pixels = (*scene.shots[0].pixels).clone();
+        let (reference, optics) = measure_parametric(vec![(view.clone(), pixels, 1.0)]);
         let freedom = view.mtf.modulus.len() - 1 - optics.lens.len();
         let squares = reference.reduced_chi2 * freedom as f64;
         (reference, optics.lens.len(), squares)
@@ -485,7 +482,7 @@ fn limits_of_a_reference_are_those_that_are_stated() {
                 high = middle;
             }
         }
-        reference.mtf50_per_mm = Some(low);
+        reference.photographs[0].mtf50_per_mm = Some(low);
         assert_eq!(reference.is_blunter_than(view), sharper, "{level}");
     }
 }

@@ -26,7 +26,7 @@ fn every_channel_is_measured_as_its_own_photograph() {
     std::fs::write(mixed.path().join("captures.toml"), manifest).unwrap();
     let campaign = captures::load(&folders[0].path().join("captures.toml")).unwrap();
     let shots = campaign.captures.iter().map(|capture| &capture.shot);
-    for shot in campaign.reference.iter().chain(shots) {
+    for shot in campaign.references.iter().chain(shots) {
         let name = shot.image.file_name().unwrap();
         let planes = folders
             .each_ref()

@@ -67,11 +67,8 @@ fn known_edges_of_all_directions() {
             let frequencies: Vec<f64> = (1..=50).map(|k| 0.01 * f64::from(k) / pitch_mm).collect();
             let mtf = Estimator::new(&profile, pitch_mm, 400, 50).measure(&profile);
             let blur_mm = std::f64::consts::SQRT_2 * std::f64::consts::PI * 0.55 * pitch_mm;
-            let lens = Some(Lens {
-                blur_mm,
-                exponent: 2.0,
-            });
-            let known = Camera { pitch_mm, lens };
+            let lenses = vec![Lens::new(blur_mm, 2.0)];
+            let known = Camera { pitch_mm, lenses };
             for (f, measured) in frequencies.iter().zip(&mtf.modulus[1..]) {
                 worst = worst.max((measured - known.otf(*f, normal_deg.to_radians()).abs()).abs());
             }

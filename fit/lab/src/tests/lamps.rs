@@ -91,22 +91,19 @@ fn pull(photo: &Photo) -> f64 {
     let pitch_mm = 1.0;
     let camera = |ln_blur: f64| Camera {
         pitch_mm,
-        lens: Some(Lens {
-            blur_mm: ln_blur.exp(),
-            exponent: 2.0,
-        }),
+        lenses: vec![Lens::new(ln_blur.exp(), 2.0)],
     };
     // The box of a pixel adds a twelfth of a squared pixel. It is nearly normal beside the blur.
     let sigma = (SIGMA_PX * SIGMA_PX - 1.0 / 12.0).sqrt();
     let truth = (SQRT_2 * PI * sigma * pitch_mm).ln();
     let mut photograph = Photograph::new(&pixels, pitch_mm);
-    let curves = photograph.curves(None, &camera(truth + 0.02), 1);
+    let curves = photograph.curves(None, &camera(truth + 0.02), &[0]);
     if are_uneven(&[photograph.settle(&curves)]) {
         photograph.settle_unevenly(&curves);
     }
     let (mut at, mut error) = (truth + 0.02, f64::INFINITY);
     for _ in 0..6 {
-        let fitted = photograph.fit(&photograph.curves(None, &camera(at), 1));
+        let fitted = photograph.fit(&photograph.curves(None, &camera(at), &[0]));
         let own = fitted.columns;
         error = 1.0 / fitted.factor[(own, own)];
         at -= fitted.factor[(own, own + 1)] * error;
@@ -151,13 +148,10 @@ fn step(photo: &Photo, blur_px: f64, order: usize, by_px: f64) -> [f64; 2] {
     let pixels = Pixels::new(&measured.as_lit, &line);
     let camera = Camera {
         pitch_mm: 1.0,
-        lens: Some(Lens {
-            blur_mm: SQRT_2 * PI * blur_px,
-            exponent: 2.0,
-        }),
+        lenses: vec![Lens::new(SQRT_2 * PI * blur_px, 2.0)],
     };
     let mut photograph = Photograph::new(&pixels, 1.0);
-    let curves = photograph.curves(None, &camera, 0);
+    let curves = photograph.curves(None, &camera, &[]);
     assert!(are_uneven(&[photograph.settle(&curves)]));
     photograph.settle_unevenly(&curves);
     let fitted = photograph.fit(&curves);
@@ -214,13 +208,10 @@ fn what_the_pixels_do_not_tell_keeps_its_range() {
     let pixels = Pixels::new(&measured.as_lit, &line);
     let camera = Camera {
         pitch_mm: 1.0,
-        lens: Some(Lens {
-            blur_mm: SQRT_2 * PI * BLUR_PX,
-            exponent: 2.0,
-        }),
+        lenses: vec![Lens::new(SQRT_2 * PI * BLUR_PX, 2.0)],
     };
     let mut photograph = Photograph::new(&pixels, 1.0);
-    let curves = photograph.curves(None, &camera, 0);
+    let curves = photograph.curves(None, &camera, &[]);
     photograph.settle(&curves);
     photograph.settle_unevenly(&curves);
     let mut cases = 0;

@@ -18,6 +18,7 @@ mod further;
 mod goodness;
 mod known;
 mod lamps;
+mod lens;
 mod mirror;
 mod nominal;
 mod one_sided;

@@ -55,7 +55,7 @@ fn nuisance_derivatives_match_differences() {
     let mut photograph = Photograph::new(&pixels, scene.optics.camera.pitch_mm);
     let model = estimator::estimate::model(shot, SHARED);
     let blur = Blur::new(3.4, 0.31);
-    let curves = photograph.curves(Some((&model, blur)), &scene.optics.camera, 1);
+    let curves = photograph.curves(Some((&model, blur)), &scene.optics.camera, &[0]);
     photograph.settle(&curves);
     let at = Nuisances {
         place_px: 0.3,
@@ -121,7 +121,7 @@ fn noise_is_the_scatter_over_the_degrees_of_freedom() {
             bin.scatter = [(bin.count - free) * v, 0.0, 0.0];
         }
         let mut photograph = Photograph::new(&pixels, scene.optics.camera.pitch_mm);
-        photograph.settle(&photograph.curves(None, &scene.optics.camera, 0));
+        photograph.settle(&photograph.curves(None, &scene.optics.camera, &[]));
         for light in [0.0, 0.1, 0.5] {
             let found = photograph.noise.variance(light);
             assert!((found / v - 1.0).abs() < 1e-9, "{light}: {found} {v}");

@@ -100,7 +100,7 @@ fn campaigns_are_readable_repeatable_and_protected() {
     );
 
     let campaign = captures::load(&report.manifest).unwrap();
-    assert!(campaign.warnings.is_empty() && campaign.reference.is_some());
+    assert!(campaign.warnings.is_empty() && campaign.references.len() == 1);
     assert_eq!(campaign.captures.len(), 2);
     assert_eq!(campaign.captures[1].incidence_deg, 20.0);
     for (index, capture) in campaign.captures.iter().enumerate() {

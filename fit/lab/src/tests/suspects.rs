@@ -491,7 +491,7 @@ fn a_reference_that_is_not_the_sharpest_is_refused() {
     let (sheet, shots) = planted();
     let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);
     let exchanged = found(&shots, &of_ideal, &eq1(), |manifest| {
-        let reference = manifest.reference.as_mut().unwrap();
+        let reference = &mut manifest.references[0];
         std::mem::swap(&mut reference.image, &mut manifest.captures[4].shot.image);
     });
     let Err(Error::Sharper { image, .. }) = exchanged else {
@@ -525,7 +525,7 @@ fn srgb_in_16_bits_taken_for_linear_is_named() {
             .captures
             .iter_mut()
             .map(|capture| &mut capture.shot);
-        for shot in captures.chain(&mut manifest.reference) {
+        for shot in captures.chain(&mut manifest.references) {
             shot.image = stored(&shot.image, to);
         }
         let load = captures::Shot::load;

@@ -78,7 +78,7 @@ fn changed(given: UnverifiedInput, by: f64, manifest: &mut Campaign, sheet: &mut
                 .for_each(|shot| shot.floating_distance_mm *= 1.01);
         }
         UnverifiedInput::HalfMirror => manifest.setup.half_mirror_reflectance *= 1.01,
-        UnverifiedInput::ReferenceExposure => manifest.reference.as_mut().unwrap().exposure *= 1.01,
+        UnverifiedInput::ReferenceExposure => manifest.references[0].exposure *= 1.01,
         UnverifiedInput::WavelengthNm => manifest.setup.spectrum = Spectrum::parse("555.5").ok(),
         UnverifiedInput::RefractiveIndex => sheet.refractive_index *= 1.01,
         UnverifiedInput::IncidenceDeg => captures

@@ -394,7 +394,7 @@ pub(super) fn called(
 /// Returns the files that are read. None of them may be an output.
 fn inputs<'a>(arguments: &'a Arguments, campaign: &'a Campaign) -> impl Iterator<Item = &'a Path> {
     let captures = campaign.captures.iter().map(|capture| &capture.shot);
-    let shots = campaign.reference.iter().chain(captures);
+    let shots = campaign.references.iter().chain(captures);
     let tables = arguments.table.iter().map(PathBuf::as_path);
     tables
         .chain([arguments.captures.as_path()])

@@ -1,6 +1,6 @@
-//! The camera of a scene, and how well its lens is known: measured on the reference, or assumed.
+//! The camera of a scene, and how well its lens is known: measured on references, or assumed.
 
-use nalgebra::{DVector, Matrix2};
+use nalgebra::{DMatrix, DVector};
 
 use crate::model::{Camera, Lens};
 
@@ -16,15 +16,25 @@ const ASSUMED_PX: f64 = 0.5;
 /// 0.25 to 1 pixel in two of three cameras, and by 0.13 to 2 pixels in 19 of 20.
 const ASSUMED_FACTOR: f64 = 2.0;
 
-/// Camera of a scene, with the covariance of its lens.
+/// Standard deviation of a term of a lens' departure before the pixels are seen.
+///
+/// The OTF of a lens lies between -0.13 (a disc of defocus) and 1, and that of the parametric lens
+/// follows it as well as it can. Pupils, discs, halos and sharpening need terms up to 0.17. Pixels
+/// tell a term to some thousandths where the box of the pixel lets light pass, so this matters only
+/// where nothing is seen, and there it keeps the OTF within what lenses have.
+pub(crate) const DEPARTURE: f64 = 0.3;
+
+/// Camera of a scene, with the covariance of its lenses.
 #[derive(Debug, Clone)]
 pub struct Optics {
-    /// Box of a pixel, and the most likely lens.
+    /// Box of a pixel, and the most likely lens, along each direction in which it was measured.
     pub camera: Camera,
-    /// Parameters of the lens that are estimated: ln(blur / mm), and the exponent if it is not 2.
+    /// Numbers of the lenses that are estimated, see [`Camera::numbers`]: all but exponents of 2.
+    pub free: Vec<usize>,
+    /// Values of these numbers.
     pub lens: DVector<f64>,
-    /// Covariance of ln(blur) and of the exponent.
-    pub covariance: Matrix2<f64>,
+    /// Covariance of all numbers of the lenses.
+    pub covariance: DMatrix<f64>,
     /// True if there is no reference. Lens and covariance are then assumed.
     pub assumed: bool,
 }
@@ -36,44 +46,63 @@ impl Optics {
         let lens = DVector::from_vec(vec![ln_blur(ASSUMED_PX, pitch_mm)]);
         let variance = ASSUMED_FACTOR.ln().powi(2);
         Optics {
-            camera: camera_of(pitch_mm, &lens),
+            camera: at(&gaussian(pitch_mm), &[0], &lens),
+            free: vec![0],
             lens,
-            covariance: Matrix2::new(variance, 0.0, 0.0, 0.0),
+            covariance: DMatrix::from_row_slice(2, 2, &[variance, 0.0, 0.0, 0.0]),
             assumed: true,
         }
     }
 
-    /// Returns mean and standard deviation of ln(blur) if they are assumed. A lens that was
-    /// measured needs no assumption: the pixels of the reference tell it.
-    pub(crate) fn prior(&self) -> Option<[f64; 2]> {
-        let known = [self.lens[0], self.covariance[(0, 0)].sqrt()];
-        self.assumed.then_some(known)
+    /// Returns the camera whose lenses have these values of the numbers that are estimated.
+    pub(crate) fn at(&self, values: &DVector<f64>) -> Camera {
+        at(&self.camera, &self.free, values)
     }
 
-    /// Returns the cameras that lie one step of a lens parameter away, each with the size of the
-    /// step; ln(blur) is first. The covariance of the lens is carried to the estimates with them.
+    /// Returns what is known of the estimated numbers before the pixels are seen: the index of
+    /// each, with its mean and its standard deviation. Blur and exponent of a measured lens need no
+    /// assumption: the pixels of the reference tell them.
+    pub(crate) fn priors(&self) -> Vec<(usize, [f64; 2])> {
+        if self.assumed {
+            return vec![(0, [self.lens[0], self.covariance[(0, 0)].sqrt()])];
+        }
+        let mut camera = self.camera.clone();
+        let free = self.free.iter().enumerate();
+        let is_term = |&(_, &number): &(usize, &usize)| {
+            let lens = camera.lens_of(number);
+            lens.is_some_and(|(lens, _)| lens.departure.is_some())
+        };
+        free.filter(is_term)
+            .map(|(index, _)| (index, [0.0, DEPARTURE]))
+            .collect()
+    }
+
+    /// Returns the cameras that lie one step of a number of the lenses away, each with the size of
+    /// the step, in the order of the covariance. The covariance is carried to the estimates with
+    /// them.
     ///
     /// An assumed blur steps by 1.5 deviations. Blurs add as squares, so a derivative would tell
     /// too little of larger blurs. With this step a share of 95 % lies within 1.96 standard errors,
     /// as for a normal number.
     pub(crate) fn neighbours(&self) -> Vec<(Camera, f64)> {
-        let step = self.prior().map_or(STEP, |[_, deviation]| 1.5 * deviation);
-        let Some(lens) = self.camera.lens else {
-            return Vec::new();
+        let first = if self.assumed {
+            1.5 * self.covariance[(0, 0)].sqrt()
+        } else {
+            STEP
         };
-        let blur = Lens {
-            blur_mm: lens.blur_mm * step.exp(),
-            ..lens
+        let neighbour = |number: usize| {
+            let step = if number == 0 { first } else { STEP };
+            let mut camera = self.camera.clone();
+            if let Some((lens, own)) = camera.lens_of(number) {
+                match (&mut lens.departure, number - own) {
+                    (Some(departure), term) => departure.terms[term] += step,
+                    (None, 0) => lens.blur_mm *= step.exp(),
+                    (None, _) => lens.exponent += step,
+                }
+            }
+            (camera, step)
         };
-        let exponent = Lens {
-            exponent: lens.exponent + STEP,
-            ..lens
-        };
-        let with = |lens: Lens| Camera {
-            lens: Some(lens),
-            ..self.camera
-        };
-        vec![(with(blur), step), (with(exponent), STEP)]
+        (0..self.camera.numbers()).map(neighbour).collect()
     }
 }
 
@@ -82,16 +111,31 @@ pub(crate) fn ln_blur(sigma_px: f64, pitch_mm: f64) -> f64 {
     (std::f64::consts::SQRT_2 * std::f64::consts::PI * sigma_px * pitch_mm).ln()
 }
 
-/// Makes a camera from lens parameters: ln(blur / mm), and the exponent if it is not 2.
-pub(crate) fn camera_of(pitch_mm: f64, parameters: &DVector<f64>) -> Camera {
-    let exponent = parameters.get(1).copied().unwrap_or(2.0).clamp(0.5, 4.0);
-    // The blur is at least a thousandth of a pixel, which is no blur, and at most 100 pixels, which
-    // is no camera.
-    let blur_mm = parameters[0].exp().clamp(1e-3 * pitch_mm, 100.0 * pitch_mm);
+/// Returns a camera with a Gaussian lens of one pixel.
+pub(crate) fn gaussian(pitch_mm: f64) -> Camera {
     Camera {
         pitch_mm,
-        lens: Some(Lens { blur_mm, exponent }),
+        lenses: vec![Lens::new(pitch_mm, 2.0)],
     }
+}
+
+/// Returns a camera like this one, whose lenses have other values of these numbers.
+pub(crate) fn at(camera: &Camera, numbers: &[usize], values: &DVector<f64>) -> Camera {
+    let mut camera = camera.clone();
+    let pitch_mm = camera.pitch_mm;
+    for (&number, &value) in numbers.iter().zip(values) {
+        let Some((lens, first)) = camera.lens_of(number) else {
+            continue;
+        };
+        match (&mut lens.departure, number - first) {
+            (Some(departure), term) => departure.terms[term] = value,
+            // The blur is at least a thousandth of a pixel, which is no blur, and at most 100
+            // pixels, which is no camera.
+            (None, 0) => lens.blur_mm = value.exp().clamp(1e-3 * pitch_mm, 100.0 * pitch_mm),
+            (None, _) => lens.exponent = value.clamp(0.5, 4.0),
+        }
+    }
+    camera
 }
 
 #[cfg(test)]
@@ -106,7 +150,9 @@ mod tests {
     fn an_assumed_lens_is_half_a_pixel_times_or_over_2() {
         let optics = Optics::assumed(0.08);
         let blur_mm = SQRT_2 * PI * 0.5 * 0.08;
-        let [mean, deviation] = optics.prior().expect("it is assumed");
+        let priors = optics.priors();
+        assert_eq!((priors.len(), priors[0].0), (1, 0));
+        let [mean, deviation] = priors[0].1;
         assert!((mean - blur_mm.ln()).abs() < 1e-14 && (deviation - LN_2).abs() < 1e-14);
         let neighbours = optics.neighbours();
         let wider = [
@@ -115,7 +161,7 @@ mod tests {
         ];
         assert_eq!(neighbours.len(), wider.len());
         for ((camera, step), (blur_mm, exponent, by)) in neighbours.into_iter().zip(wider) {
-            let lens = camera.lens.expect("it is assumed");
+            let lens = &camera.lenses[0];
             assert!((lens.blur_mm / blur_mm - 1.0).abs() < 1e-14, "{lens:?}");
             assert!((lens.exponent - exponent).abs() < 1e-14 && (step - by).abs() < 1e-14);
         }

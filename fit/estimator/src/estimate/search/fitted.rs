@@ -181,7 +181,7 @@ impl Estimate {
 pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
     let layout = &Layout::new(optimum.choice, scene.groups.len());
     let camera = match loss {
-        Loss::Mtf(_) | Loss::Mse(_) => scene.optics.camera,
+        Loss::Mtf(_) | Loss::Mse(_) => scene.optics.camera.clone(),
         Loss::Edge(joint) => joint.camera(layout, &optimum.solution.parameters),
     };
     let parts = compared(scene, loss, layout, &optimum, &camera);

@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use crate::compare::{Curves, FittedPhotograph, Photograph, Pixels, Remainder, are_uneven};
 use crate::estimate::scene::Scene;
-use crate::estimate::scene::optics::camera_of;
 use crate::estimate::search::compared::model;
 use crate::estimate::search::covariance::{Covariances, Mu, Scatter};
 use crate::estimate::search::layout::Choice;
@@ -19,9 +18,9 @@ use edges::photographs::PixelNoise;
 pub struct Joint<'a> {
     scene: &'a Scene,
     shots: Vec<Photograph<'a>>,
-    reference: Option<Photograph<'a>>,
-    /// Parameters of the lens: ln(blur / mm) and, if the reference needed it, the exponent. Without
-    /// a reference the assumption counts as one number beside the pixels.
+    references: Vec<Photograph<'a>>,
+    /// Numbers of the lenses that are estimated, such as ln(blur / mm). What is known of them
+    /// beforehand counts as numbers beside the pixels.
     lens: DVector<f64>,
 }
 
@@ -43,7 +42,7 @@ impl<'a> Joint<'a> {
         let layout = Layout::new(choice, scene.groups.len());
         let settled = |pixels: &'a Pixels, model: Option<(&Model, Blur)>| {
             let mut photograph = Photograph::new(pixels, camera.pitch_mm);
-            let curves = photograph.curves(model, camera, 0);
+            let curves = photograph.curves(model, camera, &[]);
             let fall = photograph.settle(&curves);
             (photograph, curves, fall)
         };
@@ -52,8 +51,8 @@ impl<'a> Joint<'a> {
             settled(&shot.pixels, Some((&model(shot, choice), blur)))
         });
         let mut all: Vec<(Photograph, Curves, f64)> = shots.collect();
-        let reference = scene.reference.as_ref();
-        all.extend(reference.map(|reference| settled(&reference.pixels, None)));
+        let references = scene.reference.iter().flat_map(|own| &own.photographs);
+        all.extend(references.map(|reference| settled(&reference.pixels, None)));
         let falls: Vec<f64> = all.iter().map(|(_, _, fall)| *fall).collect();
         if are_uneven(&falls) {
             all.par_iter_mut()
@@ -61,11 +60,11 @@ impl<'a> Joint<'a> {
         }
         let mut photographs = all.into_iter().map(|(photograph, ..)| photograph);
         let shots = photographs.by_ref().take(scene.shots.len()).collect();
-        let reference = photographs.next();
+        let references = photographs.collect();
         Joint {
             scene,
             shots,
-            reference,
+            references,
             lens: scene.optics.lens.clone(),
         }
     }
@@ -76,18 +75,18 @@ impl<'a> Joint<'a> {
         let camera = self.camera(&layout, at);
         for (shot, photograph) in self.scene.shots.iter().zip(&mut self.shots) {
             let (model, blur) = (model(shot, choice), layout.blur(at, shot.group));
-            let curves = photograph.curves(Some((&model, blur)), &camera, 0);
+            let curves = photograph.curves(Some((&model, blur)), &camera, &[]);
             photograph.with_noise(&curves, noise);
         }
-        if let Some(photograph) = &mut self.reference {
-            let curves = photograph.curves(None, &camera, 0);
+        for photograph in &mut self.references {
+            let curves = photograph.curves(None, &camera, &[]);
             photograph.with_noise(&curves, noise);
         }
     }
 
     /// Estimates these terms of the light of each photograph. The noise has to be given anew.
     pub fn estimate_light(&mut self, terms: crate::compare::Terms) {
-        let all = self.shots.iter_mut().chain(&mut self.reference);
+        let all = self.shots.iter_mut().chain(&mut self.references);
         all.for_each(|photograph| photograph.estimate_light(terms));
     }
 
@@ -100,16 +99,16 @@ impl<'a> Joint<'a> {
     /// Returns the camera at these parameters.
     pub fn camera(&self, layout: &Layout, at: &DVector<f64>) -> Camera {
         let lens = at.rows(layout.parameters(), self.lens.len()).into_owned();
-        camera_of(self.scene.optics.camera.pitch_mm, &lens)
+        self.scene.optics.at(&lens)
     }
 
     /// Returns the number of independent numbers in the photographs, less those of the nuisances
     /// and of the lens.
     pub fn observations(&self) -> usize {
         let of = |p: &Photograph| p.observations().saturating_sub(p.nuisances());
-        let all: usize = self.shots.iter().chain(&self.reference).map(of).sum();
-        let assumed = self.scene.optics.prior().iter().count();
-        (all + assumed).saturating_sub(self.lens.len())
+        let all: usize = self.shots.iter().chain(&self.references).map(of).sum();
+        let known = self.scene.optics.priors().len();
+        (all + known).saturating_sub(self.lens.len())
     }
 
     /// Evaluates residuals and derivatives at a point, with the nuisances at their optimum. Each
@@ -122,9 +121,9 @@ impl<'a> Joint<'a> {
             .map(|(fitted, _)| without(&fitted.factor, fitted.columns))
             .collect();
         let width = layout.parameters() + self.lens.len();
-        let prior = self.scene.optics.prior();
+        let priors = self.scene.optics.priors();
         let rows: usize = factors.iter().map(|f| f.nrows()).sum();
-        let rows = rows + prior.iter().count();
+        let rows = rows + priors.len();
         let (mut residuals, mut jacobian) = (DVector::zeros(rows), DMatrix::zeros(rows, width));
         let mut row = 0;
         for (i, factor) in factors.iter().enumerate() {
@@ -137,10 +136,10 @@ impl<'a> Joint<'a> {
             }
             row += n;
         }
-        if let Some([mean, deviation]) = prior {
-            let blur = layout.parameters();
-            residuals[row] = (at[blur] - mean) / deviation;
-            jacobian[(row, blur)] = 1.0 / deviation;
+        for (row, (index, [mean, deviation])) in (row..).zip(priors) {
+            let column = layout.parameters() + index;
+            residuals[row] = (at[column] - mean) / deviation;
+            jacobian[(row, column)] = 1.0 / deviation;
         }
         (residuals, jacobian)
     }
@@ -149,7 +148,7 @@ impl<'a> Joint<'a> {
     /// reference last, with the curves to which they were fitted.
     fn fitted(&self, layout: &Layout, at: &DVector<f64>) -> Vec<(FittedPhotograph, Curves)> {
         let camera = self.camera(layout, at);
-        let lens = self.lens.len();
+        let lens = &self.scene.optics.free;
         let mut all: Vec<(FittedPhotograph, Curves)> = self
             .shots
             .par_iter()
@@ -161,7 +160,7 @@ impl<'a> Joint<'a> {
                 (photograph.fit(&curves), curves)
             })
             .collect();
-        all.extend(self.reference.as_ref().map(|photograph| {
+        all.extend(self.references.iter().map(|photograph| {
             let curves = photograph.curves(None, &camera, lens);
             (photograph.fit(&curves), curves)
         }));
@@ -170,7 +169,7 @@ impl<'a> Joint<'a> {
 
     /// Returns what the model leaves of each photograph, the reference last.
     pub(crate) fn remainders(&self, layout: &Layout, at: &DVector<f64>) -> Vec<Remainder> {
-        let photographs = self.shots.iter().chain(&self.reference);
+        let photographs = self.shots.iter().chain(&self.references);
         let fitted = self.fitted(layout, at);
         let all = photographs.zip(&fitted);
         all.map(|(photograph, (fitted, curves))| photograph.remainder(curves, fitted))
@@ -225,7 +224,7 @@ impl<'a> Joint<'a> {
     /// each incidence.
     pub fn information(&self, layout: &Layout, at: &DVector<f64>, used: Used) -> Covariances {
         let fitted = self.fitted(layout, at);
-        let photographs: Vec<&Photograph> = self.shots.iter().chain(&self.reference).collect();
+        let photographs: Vec<&Photograph> = self.shots.iter().chain(&self.references).collect();
         let steps: Vec<f64> = fitted.iter().map(|(f, _)| f.nuisances.step).collect();
         // The rows are (ln step, derivatives, residual). The other nuisances are taken out.
         let factors: Vec<DMatrix<f64>> = fitted
@@ -248,15 +247,18 @@ impl<'a> Joint<'a> {
             let free = factor.view((1, 1), (factor.nrows() - 1, columns.len()));
             scatter(&mut normal, &columns, &(free.transpose() * free));
         }
-        if let Some([_, deviation]) = self.scene.optics.prior() {
-            normal[(p, p)] += deviation.powi(-2);
-        }
+        self.add_priors(&mut normal, p);
         let blur = inverse(&normal).view((0, 0), (p, p)).into_owned();
-        let mu = self
-            .reference
-            .is_some()
-            .then(|| self.mu(layout, &factors, &steps, &blur));
+        let mu = (!self.references.is_empty()).then(|| self.mu(layout, &factors, &steps, &blur));
         Covariances { blur, mu }
+    }
+
+    /// Adds what is known of the lens beforehand to a normal matrix, whose columns of the lens
+    /// begin at `first`.
+    fn add_priors(&self, normal: &mut DMatrix<f64>, first: usize) {
+        for (index, [_, deviation]) in self.scene.optics.priors() {
+            normal[(first + index, first + index)] += deviation.powi(-2);
+        }
     }
 
     fn mu(
@@ -272,8 +274,12 @@ impl<'a> Joint<'a> {
         // The columns are blur, lens, ln mu, and ln step of the reference.
         let first = p + self.lens.len();
         let width = first + groups + 1;
-        let reference_step = steps[steps.len() - 1].ln();
-        let exposure = scene.reference.as_ref().map_or(1.0, |r| r.exposure);
+        let reference_step = steps[scene.shots.len()].ln();
+        let exposures: Vec<f64> = scene
+            .reference
+            .iter()
+            .flat_map(|own| own.photographs.iter().map(|own| own.exposure))
+            .collect();
         let mut normal = DMatrix::zeros(width, width);
         let mut gradient = DVector::zeros(width);
         let mut by_eta = DMatrix::<f64>::zeros(width, scene.groups.len());
@@ -294,8 +300,9 @@ impl<'a> Joint<'a> {
                 // For mu = 1, `off` is the difference between the step that follows from the
                 // reference and the photograph's own.
                 let returned = shot.returned(layout.choice.kernel);
-                let known =
-                    (returned.retroreflected * scene.half_mirror * shot.exposure / exposure).ln();
+                let known = (returned.retroreflected * scene.half_mirror * shot.exposure
+                    / exposures[0])
+                    .ln();
                 let off = known + reference_step - steps[i].ln();
                 let pull = rows.tr_mul(&(step * off));
                 let of_eta = rows.tr_mul(&step) * returned.relative_error();
@@ -311,8 +318,17 @@ impl<'a> Joint<'a> {
                     columns: columns.clone(),
                 });
             }
+            // Further references see the source by exposures of their own.
+            if i > scene.shots.len() {
+                let known = (exposures[i - scene.shots.len()] / exposures[0]).ln();
+                let pull = rows.tr_mul(&(step * (known + reference_step - steps[i].ln())));
+                for (k, &column) in columns.iter().enumerate() {
+                    gradient[column] += pull[k];
+                }
+            }
             scatter(&mut normal, &columns, &rows.tr_mul(&rows));
         }
+        self.add_priors(&mut normal, p);
         let tied = inverse(&normal);
         let solution = -(&tied * gradient);
         let ln_mu = solution.rows(first, groups).into_owned();
@@ -370,7 +386,7 @@ impl LightInformation {
 }
 
 /// Returns a triangular factor without its first `count` unknowns, which are projected out.
-fn without(factor: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
+pub(crate) fn without(factor: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     let left = factor.nrows() - count;
     factor.view((count, count), (left, left)).into_owned()
 }

@@ -95,11 +95,12 @@ impl<'a> Search<'a> {
         };
         let shots = scene.shots.par_iter().map(|shot| {
             let (view, model) = (&shot.view, model(shot, choice));
+            let camera = scene.optics.camera.along(view.line.normal_rad);
             let frequencies = &view.estimator.frequencies_per_mm;
             let step = frequencies.len().div_ceil(24);
             let sample = |k: usize| {
                 let frequency = frequencies[k];
-                let camera = scene.optics.camera.otf(frequency, view.line.normal_rad);
+                let camera = camera.otf(frequency);
                 let lobe = |&spread: &f64| (model.lobe_otf(spread, frequency)[0] * camera).abs();
                 Sample {
                     frequency,

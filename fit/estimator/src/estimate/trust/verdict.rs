@@ -5,18 +5,10 @@ use crate::estimate::search::azimuth::Azimuth;
 use crate::estimate::search::fitted::Estimate;
 use crate::estimate::search::layout::Value;
 use crate::estimate::search::select::{CLEAR, Ranked};
-use crate::estimate::trust::goodness::{Goodness, Verdict};
+use crate::estimate::trust::goodness::{Goodness, POOR_LENS, Verdict};
 use crate::estimate::trust::suspects::Suspect;
 use crate::model::Further;
 use edges::names::Kernel;
-
-/// Chi-square per degree of freedom of the reference's MTF above which the lens model does not
-/// describe it.
-///
-/// Chi-square per degree of freedom is 1 + the mean square of the misfit in units of the noise. So
-/// from 2 on the misfit is as large as the noise. This limit is a convention. Noise alone exceeds
-/// it in 5 of 1000 fits with 20 degrees of freedom.
-const POOR_LENS: f64 = 2.0;
 
 /// Ratio of the farthest to the nearest distance from which on a slip in one of them is likely.
 const FAR_APART: f64 = 5.0;

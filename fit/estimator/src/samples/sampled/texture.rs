@@ -45,13 +45,14 @@ impl Texture {
         // The grid is twice as long as the texture, so that its periodic images stay outside.
         let grid = Grid::new((2 * CELLS - 2) / 3, pitch_mm);
         let cell_mm = BIN_PX * pitch_mm;
+        let camera = camera.along(normal_rad);
         let otf: Vec<Complex64> = grid
             .frequencies_per_mm()
             .map(|f| {
                 // One factor undoes the average of the grid over a cell, two undo the straight
                 // lines.
                 let smoothing = sinc(std::f64::consts::PI * f * cell_mm).powi(3);
-                Complex64::from(camera.otf(f, normal_rad) / smoothing)
+                Complex64::from(camera.otf(f) / smoothing)
             })
             .collect();
         let even = grid.even(&otf, 0.0);
@@ -138,13 +139,12 @@ mod tests {
     use super::*;
     use crate::model::Lens;
 
-    const CAMERA: Camera = Camera {
-        pitch_mm: 0.05,
-        lens: Some(Lens {
-            blur_mm: 0.12,
-            exponent: 2.0,
-        }),
-    };
+    fn camera() -> Camera {
+        Camera {
+            pitch_mm: 0.05,
+            lenses: vec![Lens::new(0.12, 2.0)],
+        }
+    }
 
     /// Compares with the known edge of the pixel's box across a normal at 0 and a Gaussian lens.
     /// With sigma = blur / (sqrt 2 pi) it is a difference of integrals of the normal distribution.
@@ -154,7 +154,7 @@ mod tests {
     /// 0.64 /px^2 here, which gives 5.2e-5. Values in f32 add 6e-8.
     #[test]
     fn the_edge_of_a_gaussian_lens_is_known() {
-        let texture = Texture::new(&CAMERA, 0.0);
+        let texture = Texture::new(&camera(), 0.0);
         let sigma = 0.12 / (2.0_f64.sqrt() * std::f64::consts::PI * 0.05);
         // Integral of the normal distribution function.
         let ramp = |x: f64| {
@@ -179,7 +179,7 @@ mod tests {
     /// the order alone: 1000 roundings of 6e-8.
     #[test]
     fn blocks_are_samples_one_by_one() {
-        let texture = Texture::new(&CAMERA, 0.1);
+        let texture = Texture::new(&camera(), 0.1);
         let xs: Vec<f32> = (0..1000).map(|i| (i as f32 * 0.37).sin()).collect();
         let ys: Vec<f32> = (0..1000).map(|i| (i as f32 * 0.11).cos()).collect();
         let zs: Vec<f32> = (0..1000).map(|i| (i as f32 * 0.07).sin()).collect();

@@ -79,7 +79,7 @@ pub(crate) fn section(page: &Page) -> String {
 fn gather<'a>(page: &'a Page) -> Vec<Warned<'a>> {
     let (campaign, result) = (page.campaign, page.result);
     let shots: Vec<&Shot> = campaign
-        .reference
+        .references
         .iter()
         .chain(campaign.captures.iter().map(|c| &c.shot))
         .collect();

@@ -128,10 +128,11 @@ fn curves(reference: Option<String>, photographs: &[(String, &str)]) -> String {
 fn settings(page: &Page) -> Vec<Entry> {
     let result = page.result;
     let camera = &result.camera;
+    let terms: usize = camera.lens.iter().map(|own| own.terms).sum();
     let lens = match (camera.lens_blur_mm, camera.lens_exponent) {
         (Some(blur), Some(exponent)) => format!(
             "At the frequency f, the lens keeps the share \
-             exp(\u{2212}(f \u{b7} {} mm)<sup>{}</sup>) of the contrast. {}",
+             exp(\u{2212}(f \u{b7} {} mm)<sup>{}</sup>) of the contrast. {}{}",
             significant(blur, 3),
             significant(exponent, 3),
             if camera.lens_assumed {
@@ -139,7 +140,11 @@ fn settings(page: &Page) -> Vec<Entry> {
                  of 2, is in the errors below."
             } else {
                 "This was measured in the reference photograph, which shows the source itself."
-            }
+            },
+            match terms {
+                0 => String::new(),
+                count => format!(" {count} further terms describe what this form leaves out."),
+            },
         ),
         _ => "The blur of the lens is left out, because there is no reference photograph.".into(),
     };

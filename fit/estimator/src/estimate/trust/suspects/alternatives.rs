@@ -334,7 +334,7 @@ impl Search<'_> {
             .captures
             .iter_mut()
             .map(|capture| &mut capture.shot);
-        for shot in campaign.reference.iter_mut().chain(shots) {
+        for shot in campaign.references.iter_mut().chain(shots) {
             shot.decode.transfer = Some(to);
         }
         let Ok(scene) = Scene::reported(&campaign, self.table, self.photo, &Progress::SILENT)
