@@ -41,6 +41,10 @@ const HINT: f64 = 2.0;
 /// a further blur. The step of Gauss and Newton misses a part of the fall.
 const PROMISING: f64 = 0.5;
 
+/// Chi-square per degree of freedom of the MTFs from which on a candidate is far from the
+/// photographs: its misfit is then as large as the noise.
+const FAR: f64 = 2.0;
+
 /// Share of a column's square that has to be left after the other columns are projected out. Below
 /// it the photographs do not tell the blur from the other parameters.
 const INDEPENDENT: f64 = 1e-8;
@@ -204,6 +208,34 @@ fn fitted(
         observations: loss.observations(),
     };
     refined(scene, loss, start)
+}
+
+/// Returns a candidate that describes the MTFs far better than `from` by a further blur, or `from`
+/// itself.
+///
+/// Noise and light of the pixels are found about this candidate. About one that is far from the
+/// photographs, even light would look uneven.
+pub(super) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
+    let loss = Loss::Mtf(scene);
+    let at = &from.solution.parameters;
+    let score = (from.reduced_chi2() > FAR)
+        .then(|| Score::new(scene, &loss, from.choice, at))
+        .flatten();
+    let tried = score.iter().flat_map(|score| {
+        TRIED.into_iter().filter_map(|further| {
+            let (_, variances) = score.step(further)?;
+            let choice = Choice {
+                further,
+                ..from.choice
+            };
+            Some(fitted(scene, &loss, choice, at, &variances))
+        })
+    });
+    let all = tried.chain(std::iter::once(from.clone()));
+    let found = all.filter(|fit| fit.criterion(1.0).is_finite());
+    found
+        .min_by(|a, b| a.criterion(1.0).total_cmp(&b.criterion(1.0)))
+        .unwrap_or_else(|| from.clone())
 }
 
 /// Sets of further blurs that are tried, in the order of preference among equals.
