@@ -186,6 +186,7 @@ pub fn campaign(
         bounds,
         goodness,
         mut near,
+        hint,
         sampled,
     } = fitted(&scene, table, &candidates, options, progress)?;
     let kind = options.kind();
@@ -229,6 +230,7 @@ pub fn campaign(
     let trusted = doubted.unverified();
     let scene = sampled.unwrap_or(scene);
     warnings.extend(left_out);
+    warnings.extend(hint);
     warnings.extend(verdict::of_estimate(
         &scene, &best, &compared, &goodness, &suspects,
     ));
@@ -257,6 +259,8 @@ struct SceneFit {
     bounds: Bounds,
     goodness: Goodness,
     near: (Choice, DVector<f64>),
+    /// Further blur that the photographs hint at, in a sentence.
+    hint: Option<String>,
     /// Scene with the samples of the estimate, if the model was evaluated by samples.
     sampled: Option<Scene>,
 }
@@ -291,6 +295,8 @@ fn fitted(
         let (loss, best) = (&selection.loss, &selection.best);
         found.extend(further::hidden_spread(scene, loss, best, unit));
     }
+    let hint = (kind == Kind::Edge && telling.scale <= UNBOUNDED)
+        .then(|| further::hinted(scene, &selection.loss, &selection.best, unit));
     let Selection {
         best,
         compared,
@@ -320,12 +326,17 @@ fn fitted(
         (best, telling, None)
     };
     best.raise(goodness.scales());
+    let hint = hint.flatten().map(|hint| {
+        best.add_scatter(&hint.scatter);
+        hint.said
+    });
     Ok(SceneFit {
         best,
         compared,
         bounds: found,
         goodness,
         near,
+        hint,
         sampled,
     })
 }

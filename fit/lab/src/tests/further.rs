@@ -233,12 +233,12 @@ fn rays_through_imperfect_cubes_spread_as_derived() {
 /// the blur is allowed for it, beside four errors.
 #[test]
 fn another_lens_is_found_and_named() {
-    let own = (0.7_f64.powi(2) - 0.55_f64.powi(2)).sqrt();
-    let sharper = -(0.55_f64.powi(2) - 0.4_f64.powi(2)).sqrt();
+    let own = (0.9_f64.powi(2) - 0.55_f64.powi(2)).sqrt();
+    let sharper = -(0.55_f64.powi(2) - 0.15_f64.powi(2)).sqrt();
     let cases = [
         (Effect::Disc(1.5), 0.75),
-        (Effect::Lens(0.7), own),
-        (Effect::Lens(0.4), sharper),
+        (Effect::Lens(0.9), own),
+        (Effect::Lens(0.15), sharper),
     ];
     let run = |(effect, expected): (Effect, f64)| {
         let Outcome { estimated, before } = fitted(effect, 3, &[150.0, 300.0], 4e4);
@@ -248,7 +248,9 @@ fn another_lens_is_found_and_named() {
             "{effect:?}: c {now:.2?}, before {was:.2?}, blur {:?}, {:?}",
             best.own_blur_px, estimated.goodness.verdict
         );
-        let blur = best.own_blur_px.expect("it is found");
+        let blur = best
+            .own_blur_px
+            .unwrap_or_else(|| panic!("{effect:?} is not found"));
         let allowed = 4.0 * blur.standard_error + 0.1 * blur.value.abs();
         assert!(
             (blur.value - expected).abs() < allowed,
@@ -267,6 +269,34 @@ fn another_lens_is_found_and_named() {
     };
     assert_eq!(cases.len(), 3);
     cases.into_par_iter().for_each(run);
+}
+
+/// A lens that differs too little to be told moves c by several errors of a fit without it. Where the
+/// photographs hint at it, the stated errors include it.
+#[test]
+fn a_hint_of_another_lens_is_in_the_errors() {
+    let cases = [Effect::Lens(0.7), Effect::Lens(0.4), Effect::Lens(0.65)];
+    let run = |effect: Effect| {
+        let Outcome { estimated, before } = fitted(effect, 3, &[150.0, 300.0], 4e4);
+        let (now, was) = (error_of_c(&estimated.best), error_of_c(&before));
+        let [now, was] = [now, was].map(|own| own.expect("there is a shift"));
+        let hinted = estimated.warnings.iter().any(|own| own.contains("hint at"));
+        let found = estimated.best.own_blur_px;
+        println!("{effect:?}: c {now:.2?}, before {was:.2?}, hint {hinted}, {found:?}");
+        assert!(
+            hinted || found.is_some() || was[1].abs() < 7.0,
+            "{effect:?}"
+        );
+        if hinted {
+            assert_eq!(now[0], was[0], "the estimate stays");
+        }
+        if hinted || found.is_some() {
+            assert!(now[1].abs() < 4.0, "{effect:?}: {now:?}");
+        }
+        hinted || found.is_some()
+    };
+    let noticed = cases.into_par_iter().filter(|&effect| run(effect)).count();
+    assert!(noticed >= 2, "{noticed} of {}", cases.len());
 }
 
 /// Dihedral errors from cell to cell are found as an angular spread of 2 m e, the fit is good, and c

@@ -220,6 +220,7 @@ fn is_whole(tree: &Document, result: &Value) {
         "incidence angles",
         "azimuths",
         "tangential axes",
+        "lens: as",
         "cell of",
     ];
     assert_eq!(trusted.len(), named.len());

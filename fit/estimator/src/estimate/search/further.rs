@@ -9,6 +9,12 @@
 //! candidates without one, and if it differs from 0 by [`SURE`] stated errors, which contain that
 //! of the lens by every loss. An angular spread has to be a spread: its variance is positive.
 //!
+//! A blur that differs from 0 by [`HINT`] errors, and not by what the criterion asks for, is not
+//! taken. It may still have moved c by several stated errors, because c and a blur look alike: a step
+//! along the blur tells by how much. Then the errors include this step, and a warning names it. The
+//! estimate stays, so photographs without a further blur lose nothing but the errors of one campaign
+//! in twenty.
+//!
 //! At one distance and one incidence both blurs change the photographs alike, and no photograph
 //! tells them apart. Then the own blur is taken, and a warning says so (see `verdict`).
 
@@ -17,6 +23,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::estimate::scene::Scene;
 use crate::estimate::search::bound::{Bound, CONFIDENCE, rise_below};
 use crate::estimate::search::fitted::Estimate;
+use crate::estimate::search::fitted::{Estimate, estimate};
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::{Optimum, refined};
@@ -28,9 +35,16 @@ use edges::numerics::{Solution, Stop};
 /// Standard errors by which a variance has to differ from 0.
 const SURE: f64 = 3.0;
 
+/// Standard errors from which on a blur that is not taken is included in the errors.
+const HINT: f64 = 2.0;
+
 /// Share of the fall that the criterion asks for, from which on the chosen candidate is fitted with
 /// a further blur. The step of Gauss and Newton misses a part of the fall.
 const PROMISING: f64 = 0.5;
+
+/// Chi-square per degree of freedom of the MTFs from which on a candidate is far from the
+/// photographs: its misfit is then as large as the noise.
+const FAR: f64 = 2.0;
 
 /// Share of a column's square that has to be left after the other columns are projected out. Below
 /// it the photographs do not tell the blur from the other parameters.
@@ -60,6 +74,8 @@ struct Score {
     pull: DVector<f64>,
     /// Squares of the columns before the projection.
     whole: DVector<f64>,
+    /// Changes of the parameters of the candidate by the variances, at the least sum of squares.
+    response: DMatrix<f64>,
 }
 
 impl Score {
@@ -98,10 +114,10 @@ impl Score {
             .filter(|column| !added.contains(column))
             .collect();
         let mut known = jacobian.select_columns(&kept);
-        for mut column in known.column_iter_mut() {
-            let norm = column.norm();
-            if norm > 0.0 {
-                column /= norm;
+        let norms: Vec<f64> = known.column_iter().map(|column| column.norm()).collect();
+        for (mut column, norm) in known.column_iter_mut().zip(&norms) {
+            if *norm > 0.0 {
+                column /= *norm;
             }
         }
         // Parameters that the photographs do not notice, or do not tell from others, have no part
@@ -111,6 +127,10 @@ impl Score {
         let information = columns.tr_mul(&columns) - cross.tr_mul(&(&inverse * &cross));
         let pull =
             columns.tr_mul(&residuals) - cross.tr_mul(&(&inverse * known.tr_mul(&residuals)));
+        let mut response = -(&inverse * &cross);
+        for (mut row, norm) in response.row_iter_mut().zip(&norms) {
+            row /= norm.max(f64::MIN_POSITIVE);
+        }
         let finite = |v: &f64| v.is_finite();
         let is_finite = information.iter().all(finite) && pull.iter().all(finite);
         is_finite.then(|| Score {
@@ -121,6 +141,7 @@ impl Score {
             ),
             information,
             pull,
+            response,
         })
     }
 
@@ -188,6 +209,34 @@ fn fitted(
         observations: loss.observations(),
     };
     refined(scene, loss, start)
+}
+
+/// Returns a candidate that describes the MTFs far better than `from` by a further blur, or `from`
+/// itself.
+///
+/// Noise and light of the pixels are found about this candidate. About one that is far from the
+/// photographs, even light would look uneven.
+pub(super) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
+    let loss = Loss::Mtf(scene);
+    let at = &from.solution.parameters;
+    let score = (from.reduced_chi2() > FAR)
+        .then(|| Score::new(scene, &loss, from.choice, at))
+        .flatten();
+    let tried = score.iter().flat_map(|score| {
+        TRIED.into_iter().filter_map(|further| {
+            let (_, variances) = score.step(further)?;
+            let choice = Choice {
+                further,
+                ..from.choice
+            };
+            Some(fitted(scene, &loss, choice, at, &variances))
+        })
+    });
+    let all = tried.chain(std::iter::once(from.clone()));
+    let found = all.filter(|fit| fit.criterion(1.0).is_finite());
+    found
+        .min_by(|a, b| a.criterion(1.0).total_cmp(&b.criterion(1.0)))
+        .unwrap_or_else(|| from.clone())
 }
 
 /// Sets of further blurs that are tried, in the order of preference among equals.
@@ -358,6 +407,82 @@ fn is_sure(fit: &Estimate) -> bool {
     let sure = further.map(|own| own.value.abs() > 2.0 * SURE * own.standard_error);
     let spreads = fit.angular_spread_mrad.is_none_or(|own| own.value > 0.0);
     sure.fold(spreads, |all, own| all && own)
+}
+
+/// Blur that the photographs hint at, and that the criterion does not ask for.
+pub(super) struct Hint {
+    /// Covariance that it adds to the coordinates of the estimate.
+    pub scatter: DMatrix<f64>,
+    /// What it is, in a sentence.
+    pub said: String,
+}
+
+/// Looks for a blur that the chosen candidate does not have and that the pixels hint at. `unit` is
+/// the factor by which a misfit raises the sum of squares.
+pub(super) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> Option<Hint> {
+    let Loss::Edge(_) = loss else { return None };
+    let at = &fit.solution.parameters;
+    let score = Score::new(scene, loss, fit.choice, at)?;
+    let single = TRIED.into_iter().take(2);
+    let hints = single.filter_map(|further| {
+        let (fall, step) = score.step(further)?;
+        let [variance, error] = step[0];
+        let can_be = !further.angular_spread || variance > 0.0;
+        (can_be && fall > HINT.powi(2) * unit).then_some((fall, further, variance, error))
+    });
+    let (_, further, variance, error) = hints.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let choice = Choice {
+        further: Further {
+            own_blur: further.own_blur || fit.choice.further.own_blur,
+            angular_spread: further.angular_spread || fit.choice.further.angular_spread,
+        },
+        ..fit.choice
+    };
+    let layout = Layout::new(choice, scene.groups.len());
+    let added = if further.own_blur {
+        layout.own_blur()?
+    } else {
+        layout.angular_spread()?
+    };
+    let column = score.columns(further)?[0];
+    let moved = at + variance * score.response.column(column);
+    let stepped = Optimum {
+        choice,
+        solution: Solution {
+            parameters: moved.insert_row(added, variance),
+            ..fit.solution.clone()
+        },
+        observations: loss.observations(),
+    };
+    let mut other = estimate(scene, loss, stepped).coordinates();
+    other.remove(added);
+    let pairs = other.iter().zip(fit.coordinates());
+    let change = DVector::from_iterator(other.len(), pairs.map(|(other, own)| other - own));
+    let deviation = variance.abs().sqrt();
+    let (error, sign) = (0.5 * unit.sqrt() * error / deviation, variance.signum());
+    let what = if further.own_blur {
+        let pitch_mm = scene.optics.camera.pitch_mm;
+        let px = sign * deviation / pitch_mm;
+        format!(
+            "further blur of the mid-air photographs by {px:.2} +- {:.2} px (negative: the \
+            reference is less sharp)",
+            error / pitch_mm
+        )
+    } else {
+        format!("angular spread of {deviation:.3} +- {error:.3} mrad")
+    };
+    let shift = fit.c_mm.map_or(String::new(), |_| {
+        format!(" by {:+.1} %", 100.0 * change[0].exp_m1())
+    });
+    Some(Hint {
+        scatter: &change * change.transpose(),
+        said: format!(
+            "the photographs hint at a {what}, which noise may explain. It would change c{shift}: \
+            the estimate leaves it out, and the standard errors include it. More photographs, at \
+            two distances, would tell"
+        ),
+    })
+    .filter(|hint| hint.scatter.iter().all(|v| v.is_finite()))
 }
 
 /// Bounds an angular spread that the chosen candidate does not have, by the pixels.

@@ -19,6 +19,7 @@ use crate::error::{Conflict, Error};
 use crate::estimate::progress::{Progress, Step};
 use crate::estimate::scene::Scene;
 use crate::estimate::search::fitted::{Estimate, estimate};
+use crate::estimate::search::further;
 use crate::estimate::search::layout::Choice;
 use crate::estimate::search::layout::Layout;
 use crate::estimate::search::loss::{Kind, Loss};
@@ -216,7 +217,8 @@ pub fn select<'a>(
         .min_by(|a, b| a.criterion(scale).total_cmp(&b.criterion(scale)))
         .ok_or(Error::NothingOpen)?;
     let least = nearest.criterion(scale);
-    let near = (nearest.choice, nearest.solution.parameters.clone());
+    let nearest = further::nearer(scene, nearest);
+    let near = (nearest.choice, nearest.solution.parameters);
     let loss = Loss::new(kind, scene, (near.0, &near.1));
     for (done, fit) in (fits.len() + 1..).zip(&mut fits) {
         let hopeful = fit.criterion(scale) <= HOPELESS * least + CLEAR;

@@ -44,7 +44,7 @@ pub(crate) fn section(page: &Page) -> String {
             cells: vec![
                 candidate.kernel.name().into(),
                 candidate.lobe.map_or("\u{2013}", LobeShape::name).into(),
-                candidate.sharing.clone(),
+                shared(candidate),
                 candidate.parameters.to_string(),
                 grouped(candidate.loss),
                 grouped(candidate.criterion),
@@ -108,6 +108,16 @@ fn is_chosen(candidate: &Candidate, result: &ResultFile) -> bool {
     candidate.kernel == result.kernel
         && candidate.lobe == result.lobe
         && candidate.sharing == sharing(result.kernel, per_angle)
+        && candidate.own_blur == result.own_blur_px.is_some()
+        && candidate.angular_spread == result.angular_spread_mrad.is_some()
+}
+
+/// Describes how the spread of a candidate is shared, and its further blurs.
+fn shared(candidate: &Candidate) -> String {
+    let own = candidate.own_blur.then_some(", own blur");
+    let angular = candidate.angular_spread.then_some(", angular spread");
+    let further: String = own.into_iter().chain(angular).collect();
+    format!("{}{further}", candidate.sharing)
 }
 
 /// Explains why this candidate was chosen; `least` is the lowest criterion of all.
