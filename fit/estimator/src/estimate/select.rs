@@ -11,8 +11,10 @@
 //! Otherwise an error that all candidates share would add terms.
 
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use tables::Table;
 
 use crate::estimate::error::{Conflict, Error};
@@ -21,7 +23,7 @@ use crate::estimate::layout::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, refined, rough, rough_from, unrefined, widened};
-use crate::estimate::progress::{Progress, Step};
+use crate::estimate::progress::{Cancelled, Progress, Step};
 use crate::estimate::scene::Scene;
 use crate::estimate::start;
 use crate::model::wave;
@@ -202,12 +204,14 @@ pub fn select<'a>(
     progress: &Progress,
 ) -> Result<Selection<'a>, Error> {
     let choices = choices(scene, open);
-    let of = 2 * choices.len();
-    let mut fits: Vec<Optimum> = Vec::new();
-    for (done, choice) in (1..).zip(choices) {
-        fits.push(rough(scene, choice));
-        progress.done(Step::Candidates { done, of })?;
-    }
+    let (done, of) = (AtomicUsize::new(0), 2 * choices.len());
+    let counted = |fit: Optimum| {
+        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+        progress.done(Step::Candidates { done, of }).map(|()| fit)
+    };
+    let choices = choices.into_par_iter();
+    let roughly = choices.map(|choice| counted(rough(scene, choice)));
+    let mut fits: Vec<Optimum> = roughly.collect::<Result<_, Cancelled>>()?;
     share_c(scene, &mut fits);
     let scale = misfit(&fits);
     let nearest = fits
@@ -217,12 +221,12 @@ pub fn select<'a>(
     let least = nearest.criterion(scale);
     let near = (nearest.choice, nearest.solution.parameters.clone());
     let loss = Loss::new(kind, scene, (near.0, &near.1));
-    for (done, fit) in (fits.len() + 1..).zip(&mut fits) {
+    let finished = fits.into_par_iter().map(|fit| {
         let hopeful = fit.criterion(scale) <= HOPELESS * least + CLEAR;
         let finish = if hopeful { refined } else { unrefined };
-        *fit = finish(scene, &loss, fit.clone());
-        progress.done(Step::Candidates { done, of })?;
-    }
+        counted(finish(scene, &loss, fit))
+    });
+    let mut fits: Vec<Optimum> = finished.collect::<Result<_, Cancelled>>()?;
     widen(scene, &loss, &mut fits);
     let scale = misfit(&fits);
     let compared = ranked(scene, &fits, scale);
@@ -291,7 +295,7 @@ fn share_c(scene: &Scene, fits: &mut [Optimum]) {
     let Some(shared) = best.and_then(ln_c) else {
         return;
     };
-    for fit in fits {
+    fits.par_iter_mut().for_each(|fit| {
         if ln_c(fit).is_some_and(|own| (own - shared).abs() > ELSEWHERE) {
             let start = start::at(scene, fit.choice, shared.exp());
             let other = rough_from(scene, fit.choice, vec![start]);
@@ -299,7 +303,7 @@ fn share_c(scene: &Scene, fits: &mut [Optimum]) {
                 *fit = other;
             }
         }
-    }
+    });
 }
 
 /// Fits a candidate with one spread per incidence again if the same one with one spread for all is
