@@ -75,7 +75,7 @@ pub use select::Candidates;
 pub use select::Ranked;
 pub use select::Selection;
 pub use select::{CLEAR, own_mu_limit, scatter_of_mu};
-pub use suspects::{OtherTable, Suspect};
+pub use suspects::{Diagnosis, OtherTable, Suspect};
 pub use unverified::Doubted;
 pub use unverified::in_words as unverified_in_words;
 pub use unverified::{Effect, Unverified, UnverifiedInput};

@@ -249,6 +249,15 @@ impl Scene {
         self.with(shots.collect())
     }
 
+    /// Returns the scene without samples, so that its model is evaluated in closed form.
+    pub(super) fn in_closed_form(&self) -> Scene {
+        let shots = self.shots.iter().map(|shot| Aerial {
+            sampled: None,
+            ..shot.clone()
+        });
+        self.with(shots.collect())
+    }
+
     /// Returns whether light returns in every photograph.
     pub fn is_lit(&self) -> bool {
         self.shots
