@@ -273,6 +273,7 @@ pub fn undiagnosed(
         bounds,
         goodness,
         mut near,
+        is_uneven,
         sampled,
     } = fitted(&scene, table, &candidates, options, progress)?;
     let kind = options.kind();
@@ -299,6 +300,7 @@ pub fn undiagnosed(
         best: &best,
         bounds: &bounds,
         azimuth_found: azimuth.is_some(),
+        is_uneven,
     };
     let trusted = doubted.unverified();
     warnings.extend(left_out);
@@ -335,6 +337,8 @@ struct SceneFit {
     bounds: Bounds,
     goodness: Goodness,
     near: (Choice, DVector<f64>),
+    /// Whether the light is uneven; `None` if the loss does not ask.
+    is_uneven: Option<bool>,
     /// Scene with the samples of the estimate, if the model was evaluated by samples.
     sampled: Option<Scene>,
 }
@@ -363,6 +367,7 @@ fn fitted(
         found = bounds(scene, &selection.loss, &selection.best, unit);
         found.extend(absent(scene, &selection, unit));
     }
+    let is_uneven = selection.loss.is_uneven();
     let Selection {
         best,
         compared,
@@ -398,6 +403,7 @@ fn fitted(
         bounds: found,
         goodness,
         near,
+        is_uneven,
         sampled,
     })
 }

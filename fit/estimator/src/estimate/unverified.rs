@@ -126,6 +126,9 @@ pub struct Doubted<'a> {
     pub bounds: &'a Bounds,
     /// True if the azimuth was estimated.
     pub azimuth_found: bool,
+    /// Whether the light of the photographs is uneven; `None` if this is not known. A step does not
+    /// change it.
+    pub is_uneven: Option<bool>,
 }
 
 /// Changes of the logarithms of all parameters: c, the spreads, mu.
@@ -152,8 +155,8 @@ impl Doubted<'_> {
             doubted: self,
             base: base.as_deref(),
         };
-        let mut all = doubts.scales();
-        all.extend(doubts.angles());
+        let (mut all, angles) = rayon::join(|| doubts.scales(), || doubts.angles());
+        all.extend(angles);
         all.extend(doubts.cells());
         all
     }
@@ -165,11 +168,12 @@ impl Doubted<'_> {
             return None;
         }
         // Noise and light are found as the estimate in the other scene would find them.
-        let near = match solve {
-            Solve::Step => self.best.optimum(),
-            Solve::Fit => optimum(scene, self.best.choice),
+        let (near, is_uneven) = match solve {
+            Solve::Step => (self.best.optimum(), self.is_uneven),
+            Solve::Fit => (optimum(scene, self.best.choice), None),
         };
-        let loss = Loss::new(self.kind, scene, (near.choice, &near.solution.parameters));
+        let at = (near.choice, &near.solution.parameters);
+        let loss = Loss::in_light(self.kind, scene, at, is_uneven);
         let found = match solve {
             Solve::Step => self.stepped(scene, &loss, near)?,
             Solve::Fit => refined(scene, &loss, near),
