@@ -716,6 +716,7 @@ def estimate(
     seed: int | None = None,
     sequence: str | None = None,
     fit_azimuth: bool = False,
+    diagnose: float | None = None,
     threads: int | None = None,
     progress: Progress = None,
 ) -> Result:
@@ -739,6 +740,9 @@ def estimate(
         How the model is evaluated and compared.
     fit_azimuth : bool
         True to estimate the azimuth of the sheet too.
+    diagnose : float
+        Seconds that the search for mistakes may take if the fit is not good: 10 by default, 0 for
+        no search.
     progress : callable, bool, optional
         A function that is called with what is done (text), how many, and of how many (None if not
         known). True shows a bar of tqdm, False nothing. Without it a bar appears on a terminal or
@@ -767,6 +771,7 @@ def estimate(
         seed=seed,
         sequence=sequence,
         fit_azimuth=fit_azimuth,
+        diagnose=diagnose,
         threads=threads,
     )
     first = tables[0]._table.name if tables else "table"

@@ -1,17 +1,51 @@
-//! Progress of long work, shown on a terminal. Without the feature `full` nothing is shown.
+//! Progress of long work: a bar on a terminal, and now and then a line in a log. Without the feature
+//! `full` there is no bar.
 
-#[cfg(feature = "full")]
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 #[cfg(feature = "full")]
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use estimator::estimate::Step;
 
-/// Progress bar on standard error if that is a terminal.
+/// Time after which work is long enough for a line in a log, and from one line to the next.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+
+/// Progress on standard error: a bar if that is a terminal, else lines.
 pub(crate) struct Bar {
     #[cfg(feature = "full")]
     bar: ProgressBar,
+    log: Log,
+}
+
+/// Lines on standard error if that is no terminal.
+struct Log {
+    is_shown: bool,
+    last: Mutex<Instant>,
+}
+
+impl Log {
+    fn new() -> Log {
+        Log {
+            is_shown: !std::io::stderr().is_terminal(),
+            last: Mutex::new(Instant::now()),
+        }
+    }
+
+    /// Writes a line if the last one is old enough.
+    fn part(&self, what: &str, done: usize, of: usize) {
+        if !self.is_shown {
+            return;
+        }
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.elapsed() >= LINE_EVERY {
+            *last = Instant::now();
+            // Work does not fail because nobody reads of it.
+            let _ = writeln!(std::io::stderr(), "{done} of {of} {what}");
+        }
+    }
 }
 
 impl Bar {
@@ -46,23 +80,25 @@ impl Bar {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.with_key("rate", rate));
         }
-        Bar { bar }
+        Bar {
+            bar,
+            log: Log::new(),
+        }
     }
 
     /// Shows nothing.
     #[cfg(not(feature = "full"))]
     pub(crate) fn of(_: u64) -> Bar {
-        Bar {}
+        Bar { log: Log::new() }
     }
 
-    /// Shows nothing.
+    /// Shows the steps of an estimate in a log.
     #[cfg(not(feature = "full"))]
     pub(crate) fn of_steps() -> Bar {
-        Bar {}
+        Bar { log: Log::new() }
     }
 
     /// Shows a step of an estimate that is done. Each kind of step has a bar of its own.
-    #[cfg(feature = "full")]
     pub(crate) fn show(&self, step: Step) {
         if let Some((what, done, of)) = step.words() {
             self.part(what, done, of);
@@ -70,8 +106,14 @@ impl Bar {
     }
 
     /// Shows that `done` pieces of a kind of work are done. Each kind has a bar of its own.
-    #[cfg(feature = "full")]
     pub(crate) fn part(&self, what: &'static str, done: usize, of: usize) {
+        self.log.part(what, done, of);
+        #[cfg(feature = "full")]
+        self.draw(what, done, of);
+    }
+
+    #[cfg(feature = "full")]
+    fn draw(&self, what: &'static str, done: usize, of: usize) {
         if self.bar.message() != what {
             self.bar.set_message(what);
             self.bar.reset();
@@ -79,14 +121,6 @@ impl Bar {
         self.bar.set_length(of as u64);
         self.bar.set_position(done as u64);
     }
-
-    /// Shows nothing.
-    #[cfg(not(feature = "full"))]
-    pub(crate) fn show(&self, _: Step) {}
-
-    /// Shows nothing.
-    #[cfg(not(feature = "full"))]
-    pub(crate) fn part(&self, _: &'static str, _: usize, _: usize) {}
 
     /// Counts one campaign as done.
     pub(crate) fn step(&self) {

@@ -80,11 +80,12 @@ impl Output {
         &self.target
     }
 
-    /// Writes a temporary file beside the place, to the disk, and puts it there in one step.
+    /// Writes a temporary file beside the place, to the disk, and puts it there in one step. A
+    /// second call replaces what the first one wrote.
     ///
     /// # Errors
     /// Returns an [`Error`] if writing or replacing fails; the old file is then unchanged.
-    pub fn commit(self, bytes: &[u8]) -> Result<(), Error> {
+    pub fn commit(&self, bytes: &[u8]) -> Result<(), Error> {
         let put = || {
             room_for(bytes.len() as u64)?;
             let mut file = temporary(&self.target)?;

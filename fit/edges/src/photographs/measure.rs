@@ -15,7 +15,7 @@ use crate::photographs::photo::plane::Photo;
 use crate::photographs::profile::Profile;
 use crate::photographs::roi::Roi;
 use crate::photographs::window::Window;
-use crate::photographs::{chart, correlation, defects, saturation};
+use crate::photographs::{band, chart, correlation, defects, saturation};
 
 /// Largest share of a window's pixels that may be off the edge's profile. More of them are no
 /// defects of a sensor.
@@ -35,8 +35,8 @@ const ROUNDS: usize = 6;
 /// A measured edge.
 #[derive(Debug, Clone)]
 pub struct Measurement {
-    /// Region of the photograph that the window covers: the region that was given or found, or the
-    /// whole photograph.
+    /// Region of the photograph that the window covers: the region that was given or found, the
+    /// whole photograph, or a band of them about the edge.
     pub region: Roi,
     /// The pixels of the region, repaired.
     pub window: Window,
@@ -54,6 +54,8 @@ pub struct Measurement {
 }
 
 /// Measures the edge in a region of a photograph, or, without a region, its only edge.
+///
+/// Of a large region a band about its edge is measured.
 ///
 /// Without a region the whole photograph is used if it holds nothing but the edge. If it holds
 /// other marks too, the region of its only slanted edge is used. A fault in `accepted` becomes a
@@ -115,6 +117,14 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
         width: photo.width,
         height: photo.height,
     });
+    let band = band::about_the_edge(photo, region);
+    if let Some(band) = band {
+        warnings.push(format!(
+            "the region is large, and only {band} was measured, a band about the edge; give another \
+            roi to choose yourself"
+        ));
+    }
+    let region = band.unwrap_or(region);
     let Roi {
         x,
         y,

@@ -4,6 +4,7 @@
 //! Planes of linear light, edges, their profiles and measured MTFs leave, with warnings about what
 //! disturbs them. This module depends on no sheet and no model.
 
+mod band;
 pub mod captures;
 mod chart;
 mod correlation;

@@ -221,11 +221,17 @@ impl<'a> Photograph<'a> {
     /// Finds noise, weights and nuisances under a model that is near the truth, in even light.
     /// Returns the fall of chi-square by uneven light, see [`light::are_uneven`].
     pub fn settle(&mut self, curves: &Curves) -> f64 {
-        self.start = self.first_guess(curves);
-        self.make_rounds(curves);
+        self.settle_evenly(curves);
         let fall = self.unevenness(curves);
         self.weigh(curves);
         fall
+    }
+
+    /// Does the same where the light is known to be even.
+    pub fn settle_evenly(&mut self, curves: &Curves) {
+        self.start = self.first_guess(curves);
+        self.make_rounds(curves);
+        self.weigh(curves);
     }
 
     /// Finds them in uneven light, after [`Photograph::settle`].
@@ -510,7 +516,7 @@ impl<'a> Photograph<'a> {
     pub fn rows(&self, curves: &Curves, at: &Nuisances, mut take: impl FnMut(&[f64])) {
         let step = self.step_column();
         let size = step + 1 + curves.by.len() + 1;
-        let [mut mean, mut slope] = [const { Vec::new() }; 2];
+        let [mut mean, mut slope] = [(); 2].map(|()| vec![0.0; size]);
         let many = self.terms.are_many();
         let moments = many.then(|| curves.moments(self.pixels.reach()));
         let moment = |i: usize, place: &Place| {
@@ -537,11 +543,12 @@ impl<'a> Photograph<'a> {
             let expected = at.dark + at.lit * unlit[0] + at.step * edge[0];
             let (expected, passed, _) = self.pixels.cut.clipped(expected, weight.sigma);
             let weights = weight.root.map(|root| root * passed);
-            mean.clear();
-            slope.clear();
+            let mut columns = mean.iter_mut().zip(&mut slope);
             let mut push = |by: [f64; 2], factor: f64| {
-                mean.push(by[0] * factor * weights[0]);
-                slope.push(by[1] * factor * weights[1]);
+                if let Some((mean, slope)) = columns.next() {
+                    *mean = by[0] * factor * weights[0];
+                    *slope = by[1] * factor * weights[1];
+                }
             };
             let by_place = lit(place.by_place(unit), place.by_place(bump));
             let by_turn = lit(place.by_turn(unit), place.by_turn(bump));
@@ -575,8 +582,8 @@ impl<'a> Photograph<'a> {
                 push(lit(place.of(curve), moment(i, &place)), at.step);
             }
             let along = passed * (at.step * edge[1] + at.lit * unlit[1]);
-            mean.push(weight.root[0] * (expected - bin.mean));
-            slope.push(weight.root[1] * (along - bin.slope));
+            mean[size - 1] = weight.root[0] * (expected - bin.mean);
+            slope[size - 1] = weight.root[1] * (along - bin.slope);
             take(&mean);
             if weight.root[1] > 0.0 {
                 take(&slope);

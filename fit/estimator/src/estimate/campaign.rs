@@ -1,5 +1,7 @@
 //! A whole estimate: c, a and mu of a campaign, with their errors, bounds and warnings.
 
+use std::time::{Duration, Instant};
+
 use nalgebra::DVector;
 use tables::Table;
 
@@ -7,22 +9,19 @@ use crate::compare::Weights;
 use crate::error::{Conflict, Error};
 use crate::estimate::progress::Progress;
 use crate::estimate::scene::{Scene, Source};
-use crate::estimate::search::azimuth;
 use crate::estimate::search::azimuth::Azimuth;
 use crate::estimate::search::bound::{Bounds, absent, bounds};
 use crate::estimate::search::fitted::{Estimate, estimate};
 use crate::estimate::search::forward::Renders;
-use crate::estimate::search::further;
 use crate::estimate::search::layout::{Choice, Value};
 use crate::estimate::search::loss::{Kind, Loss};
 use crate::estimate::search::optimum::refined;
 use crate::estimate::search::select::{Candidates, Ranked, Selection, select};
-use crate::estimate::trust::goodness;
-use crate::estimate::trust::goodness::Goodness;
-use crate::estimate::trust::mirror;
-use crate::estimate::trust::suspects::{OtherTable, Search, Suspect};
+use crate::estimate::search::{azimuth, further};
+use crate::estimate::trust::goodness::{Goodness, Verdict};
+use crate::estimate::trust::suspects::{Diagnosis, OtherTable, Search, Suspect};
 use crate::estimate::trust::unverified::{Doubted, Unverified};
-use crate::estimate::trust::verdict;
+use crate::estimate::trust::{goodness, mirror, verdict};
 use crate::model::wave;
 use crate::samples::Sampling;
 use edges::names::{Kernel, Spectrum};
@@ -49,6 +48,8 @@ pub struct Options {
     pub channel: Option<Channel>,
     /// Tables that are tried if the first one does not fit.
     pub others: Vec<OtherTable>,
+    /// Time that the search for suspects may take; `None` for no limit, 0 for no search.
+    pub diagnose: Option<Duration>,
 }
 
 impl Options {
@@ -62,6 +63,7 @@ impl Options {
             spectrum: None,
             channel: None,
             others: Vec::new(),
+            diagnose: None,
         }
     }
 
@@ -129,6 +131,8 @@ pub struct Estimated {
     pub goodness: Goodness,
     /// Mistakes that would explain why it does not, the best first.
     pub suspects: Vec<Suspect>,
+    /// How far the search for suspects went.
+    pub diagnosis: Diagnosis,
     /// Azimuth of the sheet, if it was estimated.
     pub azimuth: Option<Azimuth>,
     /// Azimuth after which the cell of the table repeats itself, degrees.
@@ -139,9 +143,73 @@ pub struct Estimated {
     pub warnings: Vec<String>,
     /// Candidate and parameters from which the noise of the pixels was estimated.
     near: (Choice, DVector<f64>),
+    /// Warnings that do not depend on the suspects.
+    remarks: Vec<String>,
+    /// True if the photographs decided whether mu differs between the incidences.
+    mu_was_open: bool,
 }
 
 impl Estimated {
+    /// Returns whether [`Estimated::diagnose`] would search for suspects, which takes time.
+    pub fn needs_diagnosis(&self, options: &Options) -> bool {
+        self.goodness.verdict != Verdict::Good && options.diagnose != Some(Duration::ZERO)
+    }
+
+    /// Searches for the mistakes that would explain the misfit, and says them in the warnings. All
+    /// arguments are those of the estimate.
+    ///
+    /// # Errors
+    /// Returns [`Error::Cancelled`] if the flag of `progress` is set. The estimate is as before.
+    pub fn diagnose(
+        &mut self,
+        photo: &Source,
+        table: &Table,
+        options: &Options,
+        progress: &Progress,
+    ) -> Result<(), Error> {
+        if options.diagnose == Some(Duration::ZERO) {
+            return Ok(());
+        }
+        let closed = self
+            .best
+            .sampling
+            .as_ref()
+            .map(|_| self.scene.in_closed_form());
+        let search = Search {
+            campaign: &self.campaign,
+            photo,
+            table,
+            others: &options.others,
+            scene: closed.as_ref().unwrap_or(&self.scene),
+            kind: self.kind,
+            fit: &self.best,
+            tried: &self.compared,
+            goodness: &self.goodness,
+            progress,
+            // A time that no clock can tell is no limit.
+            until: options
+                .diagnose
+                .and_then(|time| Instant::now().checked_add(time)),
+        };
+        (self.suspects, self.diagnosis) = search.suspects(self.mu_was_open)?;
+        self.warn();
+        Ok(())
+    }
+
+    /// Makes the warnings.
+    fn warn(&mut self) {
+        self.warnings.clone_from(&self.remarks);
+        self.warnings.extend(verdict::of_estimate(
+            &self.scene,
+            &self.best,
+            &self.compared,
+            &self.goodness,
+            (&self.suspects, self.diagnosis),
+        ));
+        let azimuth = self.azimuth.iter();
+        self.warnings.extend(azimuth.flat_map(verdict::of_azimuth));
+    }
+
     /// Returns the loss, for evaluation at other parameters, such as for a profile of the
     /// likelihood.
     pub fn loss(&self) -> Loss<'_> {
@@ -152,8 +220,9 @@ impl Estimated {
 /// Estimates a sheet from the photographs of a campaign.
 ///
 /// It measures the photographs, finds the azimuth if `options` ask for it, chooses the terms, fits
-/// them, and bounds the parameters that the photographs cannot determine. `photo` supplies the
-/// photographs, from their files (`Shot::load`) or from memory.
+/// them, bounds the parameters that the photographs cannot determine, and, if the fit is not good,
+/// searches for the reason. `photo` supplies the photographs, from their files (`Shot::load`) or
+/// from memory.
 ///
 /// # Errors
 /// Returns [`Error::Captures`], [`Error::Edge`] or [`Error::Sharper`] if a photograph cannot be
@@ -164,6 +233,22 @@ impl Estimated {
 /// be used with the table or the campaign, [`Error::NothingOpen`] if there is no candidate,
 /// [`Error::NoFit`] if the fit fails, and [`Error::Cancelled`] if the flag of `progress` is set.
 pub fn campaign(
+    campaign: &Campaign,
+    photo: &Source,
+    table: &Table,
+    options: &Options,
+    progress: &Progress,
+) -> Result<Estimated, Error> {
+    let mut estimated = undiagnosed(campaign, photo, table, options, progress)?;
+    estimated.diagnose(photo, table, options, progress)?;
+    Ok(estimated)
+}
+
+/// Does what [`campaign`] does but for the search for suspects, which [`Estimated::diagnose`] makes.
+///
+/// # Errors
+/// Returns the errors of [`campaign`].
+pub fn undiagnosed(
     campaign: &Campaign,
     photo: &Source,
     table: &Table,
@@ -187,6 +272,7 @@ pub fn campaign(
         goodness,
         mut near,
         hint,
+        is_uneven,
         sampled,
     } = fitted(&scene, table, &candidates, options, progress)?;
     let kind = options.kind();
@@ -204,19 +290,6 @@ pub fn campaign(
             Some(_) => mirror::unstated_azimuth(&scene, table, &best)?,
         });
     }
-    let search = Search {
-        campaign: &campaign,
-        photo,
-        table,
-        others: &options.others,
-        scene: &scene,
-        kind,
-        fit: &best,
-        tried: &compared,
-        goodness: &goodness,
-        progress,
-    };
-    let suspects = search.suspects(candidates.per_angle_mu.is_none())?;
     let doubted = Doubted {
         scene: &scene,
         campaign: &campaign,
@@ -226,30 +299,35 @@ pub fn campaign(
         best: &best,
         bounds: &bounds,
         azimuth_found: azimuth.is_some(),
+        is_uneven,
     };
     let trusted = doubted.unverified();
-    let scene = sampled.unwrap_or(scene);
     warnings.extend(left_out);
     warnings.extend(hint);
-    warnings.extend(verdict::of_estimate(
-        &scene, &best, &compared, &goodness, &suspects,
-    ));
-    warnings.extend(azimuth.iter().flat_map(verdict::of_azimuth));
-    Ok(Estimated {
+    let diagnosis = match goodness.verdict {
+        Verdict::Good => Diagnosis::NOT_NEEDED,
+        Verdict::Strained | Verdict::Poor => Diagnosis::NOT_MADE,
+    };
+    let mut estimated = Estimated {
         campaign,
-        scene,
+        scene: sampled.unwrap_or(scene),
         best,
         compared,
         kind,
         bounds,
         goodness,
-        suspects,
+        suspects: Vec::new(),
+        diagnosis,
         azimuth,
         azimuth_period_deg: 360.0 / f64::from(table.provenance.symmetry.rotations.max(1)),
         trusted,
-        warnings,
+        warnings: Vec::new(),
         near,
-    })
+        remarks: warnings,
+        mu_was_open: candidates.per_angle_mu.is_none(),
+    };
+    estimated.warn();
+    Ok(estimated)
 }
 
 /// Result of the fits of one scene.
@@ -261,6 +339,8 @@ struct SceneFit {
     near: (Choice, DVector<f64>),
     /// Further blur that the photographs hint at, in a sentence.
     hint: Option<String>,
+    /// Whether the light is uneven; `None` if the loss does not ask.
+    is_uneven: Option<bool>,
     /// Scene with the samples of the estimate, if the model was evaluated by samples.
     sampled: Option<Scene>,
 }
@@ -297,6 +377,7 @@ fn fitted(
     }
     let hint = (kind == Kind::Edge && telling.scale <= UNBOUNDED)
         .then(|| further::hinted(scene, &selection.loss, &selection.best, unit));
+    let is_uneven = selection.loss.is_uneven();
     let Selection {
         best,
         compared,
@@ -337,6 +418,7 @@ fn fitted(
         goodness,
         near,
         hint,
+        is_uneven,
         sampled,
     })
 }

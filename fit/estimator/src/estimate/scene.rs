@@ -29,12 +29,13 @@ use crate::model::wave;
 use crate::samples::Sampled;
 use edges::names::Kernel;
 use edges::names::Spectrum;
-use edges::photographs::Measurement;
 use edges::photographs::captures;
+use edges::photographs::edge::line::EdgeLine;
 use edges::photographs::measure;
 use edges::photographs::photo::plane::Photo;
 use edges::photographs::photo::taken::Taken;
 use edges::photographs::{Campaign, Capture};
+use edges::photographs::{Measurement, Profile};
 
 /// Function that supplies the photograph of a shot.
 pub type Source<'a> = dyn Fn(&captures::Shot) -> Result<Photo, captures::Error> + Sync + 'a;
@@ -146,24 +147,29 @@ impl Scene {
         let setup = &campaign.setup;
         let mut warnings = campaign.warnings.clone();
         warnings.extend(remarks::of_table(table, campaign));
-        let (reference, optics) = source_edge(campaign, photo, &mut warnings)?;
         let measuring = Measuring {
             campaign,
             table,
             photo,
-            camera: optics.camera.clone(),
         };
         let (done, of) = (AtomicUsize::new(0), campaign.captures.len());
-        let read: Vec<Option<Aerial>> = campaign
-            .captures
-            .par_iter()
-            .map(|capture| {
-                let aerial = measuring.aerial(capture)?;
+        let found = || {
+            let captures = campaign.captures.par_iter();
+            let all = captures.map(|capture| {
+                let found = measuring.found(capture)?;
                 let done = 1 + done.fetch_add(1, Ordering::Relaxed);
                 progress.done(Step::Photographs { done, of })?;
-                Ok(aerial)
-            })
-            .collect::<Result<_, Error>>()?;
+                Ok(found)
+            });
+            all.collect::<Result<Vec<Option<Found>>, Error>>()
+        };
+        // The edges are found without the camera that the reference shows.
+        let (source, found) = rayon::join(|| source_edge(campaign, photo, &mut warnings), found);
+        let (reference, optics) = source?;
+        let captures = campaign.captures.par_iter().zip(found?);
+        let read: Vec<Option<Aerial>> = captures
+            .map(|(capture, found)| Some(measuring.aerial(capture, found?, &optics.camera)))
+            .collect();
         for (capture, _) in campaign
             .captures
             .iter()
@@ -251,6 +257,15 @@ impl Scene {
                 sampled: Some(sampled),
                 ..shot.clone()
             });
+        self.with(shots.collect())
+    }
+
+    /// Returns the scene without samples, so that its model is evaluated in closed form.
+    pub(super) fn in_closed_form(&self) -> Scene {
+        let shots = self.shots.iter().map(|shot| Aerial {
+            sampled: None,
+            ..shot.clone()
+        });
         self.with(shots.collect())
     }
 
@@ -351,18 +366,19 @@ fn source_edge(
     };
     let (mut sources, mut transfer) = (Vec::new(), None);
     for shot in &campaign.references {
-        let measured = measure(shot, photo, pitch_mm, 0.0, &pixel)?;
+        let source = sorted(shot, photo)?;
         let name = name(&shot.image);
-        let notes = measured.warnings.into_iter();
+        let notes = source.warnings.into_iter();
         warnings.extend(notes.map(|note| format!("{name}: {note}")));
         match &transfer {
-            None => transfer = Some(measured.transfer),
+            None => transfer = Some(source.transfer),
             Some(first_read) => {
-                let read = std::iter::once((name.as_str(), &measured.transfer));
+                let read = std::iter::once((name.as_str(), &source.transfer));
                 warnings.extend(remarks::of_transfers(first_read, read));
             }
         }
-        sources.push((measured.view, measured.pixels, shot.exposure));
+        let view = View::new(source.line, source.profile, pitch_mm, 0.0, &pixel);
+        sources.push((view, source.pixels, shot.exposure));
     }
     let (reference, optics) = reference::measure(sources);
     let names = campaign.references.iter().map(|shot| name(&shot.image));
@@ -374,9 +390,10 @@ fn source_edge(
     Ok((Some(reference), optics))
 }
 
-/// A measured photograph.
-struct Measured {
-    view: View,
+/// A photograph whose edge is found and whose pixels are sorted.
+struct Sorted {
+    line: EdgeLine,
+    profile: Profile,
     pixels: Pixels,
     transfer: Taken,
     warnings: Vec<String>,
@@ -387,13 +404,7 @@ struct Measured {
 /// # Errors
 /// Returns [`Error::Captures`] if the photograph cannot be read, and [`Error::Edge`] if it has no
 /// usable edge.
-fn measure(
-    shot: &captures::Shot,
-    photo: &Source,
-    pitch_mm: f64,
-    tangential_rad: f64,
-    camera: &Camera,
-) -> Result<Measured, Error> {
+fn sorted(shot: &captures::Shot, photo: &Source) -> Result<Sorted, Error> {
     let photo = photo(shot)?;
     let fault = |fault| Error::Edge(shot.image.clone(), fault);
     let Measurement {
@@ -403,9 +414,10 @@ fn measure(
         warnings,
         ..
     } = measure::edge(&photo, shot.roi, &shot.accepted).map_err(fault)?;
-    Ok(Measured {
+    Ok(Sorted {
         pixels: Pixels::new(&as_lit, &line),
-        view: View::new(line, profile, pitch_mm, tangential_rad, camera),
+        line,
+        profile,
         transfer: photo.transfer,
         warnings,
     })
@@ -416,41 +428,49 @@ struct Measuring<'a> {
     campaign: &'a Campaign,
     table: &'a Table,
     photo: &'a Source<'a>,
-    camera: Camera,
+}
+
+/// A photograph of a campaign and its direction in the table.
+struct Found {
+    sorted: Sorted,
+    direction: Direction,
 }
 
 impl Measuring<'_> {
-    /// Measures one photograph. Returns `None` if the table says that no light returns.
+    /// Finds the edge of one photograph. Returns `None` if the table says that no light returns.
     ///
     /// # Errors
     /// Fails if the table neither holds nor brackets the direction, or if the photograph cannot be
     /// read or has no usable edge.
-    fn aerial(&self, capture: &Capture) -> Result<Option<Aerial>, Error> {
-        let image = name(&capture.shot.image);
+    fn found(&self, capture: &Capture) -> Result<Option<Found>, Error> {
         let direction = self
             .table
             .direction(capture.incidence_deg, capture.azimuth_deg)
             .map_err(|source| Error::Direction {
                 manifest: self.campaign.file.clone(),
-                image: image.clone(),
+                image: name(&capture.shot.image),
                 source: Box::new(source),
             })?;
         if direction.retroreflected <= 0.0 {
             return Ok(None);
         }
-        let setup = &self.campaign.setup;
-        let Measured {
-            view,
+        let sorted = sorted(&capture.shot, self.photo)?;
+        Ok(Some(Found { sorted, direction }))
+    }
+
+    /// Makes a photograph ready for comparison with models, as `camera` sees them.
+    fn aerial(&self, capture: &Capture, found: Found, camera: &Camera) -> Aerial {
+        let Found { sorted, direction } = found;
+        let Sorted {
+            line,
+            profile,
             pixels,
             transfer,
             mut warnings,
-        } = measure(
-            &capture.shot,
-            self.photo,
-            setup.pixel_pitch_mm,
-            capture.tangential_axis_rad(),
-            &self.camera,
-        )?;
+        } = sorted;
+        let setup = &self.campaign.setup;
+        let axis_rad = capture.tangential_axis_rad();
+        let view = View::new(line, profile, setup.pixel_pitch_mm, axis_rad, camera);
         warnings.extend(self.between(capture, &direction));
         let along = Along {
             incidence_rad: capture.incidence_rad(),
@@ -458,8 +478,8 @@ impl Measuring<'_> {
             spectrum: setup.spectrum.as_ref(),
         };
         let index = self.table.provenance.refractive_index;
-        Ok(Some(Aerial {
-            image,
+        Aerial {
+            image: name(&capture.shot.image),
             incidence_deg: capture.incidence_deg,
             r_mm: capture.range_mm(),
             group: 0,
@@ -472,7 +492,7 @@ impl Measuring<'_> {
             seen_in_mirror: setup.is_in_mirror(),
             axis_turn_rad: 0.0,
             sampled: None,
-        }))
+        }
     }
 
     /// Returns a warning if the table interpolates this direction without a stated tolerance.

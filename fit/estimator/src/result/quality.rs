@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{Chances, Goodness, Suspect, Verdict, Worst};
+use crate::estimate::{Chances, Diagnosis, Goodness, Suspect, Verdict, Worst};
 
 /// Quality of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,11 +28,18 @@ pub struct FitResult {
     pub worst: Option<Worst>,
     /// Mistakes that would explain the misfit, the best first.
     pub suspects: Vec<Suspect>,
+    /// How far the search for suspects went; null in older results.
+    #[serde(default)]
+    pub diagnosis: Option<Diagnosis>,
 }
 
 impl FitResult {
     /// Converts the quality of an estimate.
-    pub(crate) fn new(goodness: &Goodness, suspects: &[Suspect]) -> FitResult {
+    pub(crate) fn new(
+        goodness: &Goodness,
+        suspects: &[Suspect],
+        diagnosis: Diagnosis,
+    ) -> FitResult {
         FitResult {
             chi2: goodness.chi2,
             degrees_of_freedom: goodness.degrees_of_freedom,
@@ -44,6 +51,7 @@ impl FitResult {
             verdict: goodness.verdict,
             worst: goodness.worst.clone(),
             suspects: suspects.to_vec(),
+            diagnosis: Some(diagnosis),
         }
     }
 }

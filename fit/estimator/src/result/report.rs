@@ -414,7 +414,11 @@ impl ResultFile {
             },
             half_mirror: scene.half_mirror,
             seen_in_mirror: Some(estimated.campaign.setup.is_in_mirror()),
-            fit: Some(FitResult::new(&estimated.goodness, &estimated.suspects)),
+            fit: Some(FitResult::new(
+                &estimated.goodness,
+                &estimated.suspects,
+                estimated.diagnosis,
+            )),
             domain: Some(Domain::of(scene, estimated.azimuth_period_deg)),
             trusted: estimated.trusted.clone(),
             table,

@@ -9,6 +9,7 @@ mod campaign;
 mod carried;
 mod channels;
 mod correlation;
+mod diagnosis;
 mod direction;
 mod edge;
 mod estimate;

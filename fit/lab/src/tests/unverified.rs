@@ -211,6 +211,7 @@ fn another_table_shows_what_the_cell_does() {
         best: &own.best,
         bounds: &own.bounds,
         azimuth_found: false,
+        is_uneven: None,
     };
     let trusted = doubted.unverified();
     let entry = trusted.last().unwrap();

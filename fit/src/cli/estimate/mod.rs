@@ -6,10 +6,10 @@ use std::collections::{BTreeMap, HashMap};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use tables::cli as terminal;
 
-use tables::{Outputs, Table};
+use tables::{Output, Outputs, Table};
 
 use crate::cli::estimate::summary::summary;
 use crate::cli::failure::Failure;
@@ -31,7 +31,7 @@ use estimator::estimate::Forward;
 use estimator::estimate::Kind;
 use estimator::estimate::OtherTable;
 use estimator::estimate::Progress;
-use estimator::estimate::campaign::campaign;
+use estimator::estimate::campaign::undiagnosed;
 use estimator::estimate::scene::Source;
 use estimator::estimate::{Estimated, Options};
 use estimator::result::ResultFile;
@@ -139,6 +139,19 @@ pub(crate) struct Arguments {
     /// The table must hold all azimuths (bake trace --azimuth full).
     #[arg(long, conflicts_with_all = ["forward", "model"], help_heading = "Model")]
     pub fit_azimuth: bool,
+    /// Seconds that the search for mistakes may take if the fit is not good.
+    ///
+    /// It is 0 for no search. The file of the result is written before the search begins, and again
+    /// after it. A search that comes to its end gives the same result each time; the key
+    /// fit.diagnosis says whether it did. A trial that has begun is finished.
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value = "10",
+        value_parser = seconds,
+        help_heading = "Output and threads"
+    )]
+    pub diagnose: Duration,
     /// Planted answer to print beside the estimate.
     ///
     /// It is the truth.json that `fit simulate` writes.
@@ -188,6 +201,13 @@ fn channels(text: &str) -> Result<Channels, std::convert::Infallible> {
     }))
 }
 
+/// Reads a number of seconds, at least 0.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let number = terminal::number(text)?;
+    Duration::try_from_secs_f64(number)
+        .map_err(|_| "must be a number of seconds from 0 to 1.8e19".to_owned())
+}
+
 /// Returns the options of the estimate that the command line gives.
 ///
 /// # Errors
@@ -199,6 +219,7 @@ fn options(arguments: &Arguments) -> Result<Options, Failure> {
         options.samples = Some(arguments.samples.sampling());
     }
     options.loss = arguments.loss;
+    options.diagnose = Some(arguments.diagnose);
     options.fit_azimuth = arguments.fit_azimuth;
     options.spectrum = arguments.wavelength_nm.clone();
     if let Some(Channels(channels)) = &arguments.channel
@@ -277,7 +298,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         not(feature = "full"),
         expect(unused_variables, reason = "the page shows it")
     )]
-    let (estimated, result) = pool.install(|| job.run(&options, start))?;
+    let (estimated, result) = pool.install(|| job.run(&options, start, output.as_ref()))?;
     warn(&result, "");
     let json = output::json(&result);
     #[cfg(feature = "full")]
@@ -382,7 +403,8 @@ pub(super) fn called(
         table: inputs.table,
     };
     let pool = terminal::pool(arguments.threads)?;
-    let made = pool.install(|| job.reported(&supply, &options, start, &progress));
+    let early = |_: &ResultFile| Ok(());
+    let made = pool.install(|| job.reported(&supply, &options, start, (&progress, &early)));
     let (estimated, result) = made?;
     Ok(Estimation {
         estimated,
@@ -410,38 +432,55 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Makes one estimate, and the result that is written of it.
-    fn run(&self, options: &Options, start: Instant) -> Result<(Estimated, ResultFile), Failure> {
+    /// Makes one estimate, and the result that is written of it. A first result is written to
+    /// `output` before the search for mistakes, which may take long.
+    fn run(
+        &self,
+        options: &Options,
+        start: Instant,
+        output: Option<&Output>,
+    ) -> Result<(Estimated, ResultFile), Failure> {
         let bar = Bar::of_steps();
         let progress = Progress {
             report: Some(&|step| bar.show(step)),
             cancel: None,
         };
-        let made = self.reported(&Shot::load, options, start, &progress);
+        let early = |result: &ResultFile| match output {
+            Some(output) => Ok(output.commit(output::json(result).as_bytes())?),
+            None => Ok(()),
+        };
+        let made = self.reported(&Shot::load, options, start, (&progress, &early));
         bar.done();
         made
     }
 
-    /// Makes one estimate of the photographs that `photo` supplies.
+    /// Makes one estimate of the photographs that `photo` supplies. `early` gets the result before
+    /// the search for mistakes, if there is one.
     fn reported(
         &self,
         photo: &Source,
         options: &Options,
         start: Instant,
-        progress: &Progress,
+        (progress, early): (&Progress, &dyn Fn(&ResultFile) -> Result<(), Failure>),
     ) -> Result<(Estimated, ResultFile), Failure> {
         let table = self.table;
-        let estimated = campaign(self.campaign, photo, table, options, progress);
-        let estimated = estimated.map_err(|error| match error {
+        let estimated = undiagnosed(self.campaign, photo, table, options, progress);
+        let mut estimated = estimated.map_err(|error| match error {
             estimator::Error::OneAzimuth(held) => Failure::OneAzimuth {
                 table: self.arguments.first_table().to_owned(),
                 held,
             },
             error => error.into(),
         })?;
-        let table = TableResult::of(table);
-        let seconds = start.elapsed().as_secs_f64();
-        let result = ResultFile::new(&estimated, table, seconds);
+        let result = |estimated: &Estimated| {
+            let seconds = start.elapsed().as_secs_f64();
+            ResultFile::new(estimated, TableResult::of(table), seconds)
+        };
+        if estimated.needs_diagnosis(options) {
+            early(&result(&estimated))?;
+        }
+        estimated.diagnose(photo, table, options, progress)?;
+        let result = result(&estimated);
         Ok((estimated, result))
     }
 
@@ -456,7 +495,7 @@ impl Job<'_> {
                 channel: Some(channel.clone()),
                 ..options.clone()
             };
-            let (_, result) = self.run(&options, Instant::now())?;
+            let (_, result) = self.run(&options, Instant::now(), None)?;
             warn(&result, &format!("{channel}: "));
             Ok((channel.to_string(), result))
         };

@@ -63,6 +63,11 @@ impl OtherIndex {
         })
     }
 
+    /// Returns the bits of both indices, which tell equal ones.
+    pub(crate) fn bits(self) -> [u64; 2] {
+        [self.own, self.other].map(f64::to_bits)
+    }
+
     /// Returns the incidence at which the table holds the light of `incidence_deg`, degrees.
     pub(crate) fn held_at_deg(self, incidence_deg: f64) -> f64 {
         if self.own == self.other {
@@ -127,7 +132,7 @@ impl Scene {
     ///
     /// # Errors
     /// Fails if the table neither holds nor brackets the direction.
-    fn moved(
+    pub(crate) fn moved(
         &self,
         shot: &Aerial,
         table: &Table,

@@ -268,16 +268,19 @@ fn scatter(scene: &Scene, layout: &Layout, contrasts: &[Contrast], mu: &[f64]) -
     }
 }
 
-/// Returns the differences of the light of all photographs from that which the best mu gives, for
-/// blurs near the optimum, by the MTFs.
-pub(crate) fn scatter_at(scene: &Scene, layout: &Layout, at: &DVector<f64>) -> Scatter {
+/// Fits the plateaus of each photograph under a candidate's model, by the MTFs.
+pub(crate) fn contrasts_at(scene: &Scene, layout: &Layout, at: &DVector<f64>) -> Vec<Contrast> {
     let shots = scene.shots.par_iter();
     let parts: Vec<Compared> = shots
         .map(|shot| compare(shot, None, layout.choice, layout.blur(at, shot.group)))
         .collect();
-    let contrasts = contrasts(scene, &parts);
-    let (mu, _) = reflectances(scene, layout, &contrasts);
-    scatter(scene, layout, &contrasts, &mu)
+    contrasts(scene, &parts)
+}
+
+/// Returns the differences of the light of all photographs from that which the best mu gives.
+pub(crate) fn scatter_of(scene: &Scene, layout: &Layout, contrasts: &[Contrast]) -> Scatter {
+    let (mu, _) = reflectances(scene, layout, contrasts);
+    scatter(scene, layout, contrasts, &mu)
 }
 
 /// Computes mu of each incidence, or one for all, as means over the photographs with the weights of

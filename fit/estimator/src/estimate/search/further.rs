@@ -22,7 +22,6 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::scene::Scene;
 use crate::estimate::search::bound::{Bound, CONFIDENCE, rise_below};
-use crate::estimate::search::fitted::Estimate;
 use crate::estimate::search::fitted::{Estimate, estimate};
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
@@ -216,7 +215,7 @@ fn fitted(
 ///
 /// Noise and light of the pixels are found about this candidate. About one that is far from the
 /// photographs, even light would look uneven.
-pub(super) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
+pub(crate) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
     let loss = Loss::Mtf(scene);
     let at = &from.solution.parameters;
     let score = (from.reduced_chi2() > FAR)
@@ -410,7 +409,7 @@ fn is_sure(fit: &Estimate) -> bool {
 }
 
 /// Blur that the photographs hint at, and that the criterion does not ask for.
-pub(super) struct Hint {
+pub(crate) struct Hint {
     /// Covariance that it adds to the coordinates of the estimate.
     pub scatter: DMatrix<f64>,
     /// What it is, in a sentence.
@@ -419,7 +418,7 @@ pub(super) struct Hint {
 
 /// Looks for a blur that the chosen candidate does not have and that the pixels hint at. `unit` is
 /// the factor by which a misfit raises the sum of squares.
-pub(super) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> Option<Hint> {
+pub(crate) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> Option<Hint> {
     let Loss::Edge(_) = loss else { return None };
     let at = &fit.solution.parameters;
     let score = Score::new(scene, loss, fit.choice, at)?;

@@ -56,6 +56,27 @@ impl<'a> Loss<'a> {
         }
     }
 
+    /// Does what [`Loss::new`] does where it is known whether the light is uneven.
+    pub(crate) fn in_light(
+        kind: Kind,
+        scene: &'a Scene,
+        near: (Choice, &DVector<f64>),
+        is_uneven: Option<bool>,
+    ) -> Loss<'a> {
+        match kind {
+            Kind::Edge => Loss::Edge(Box::new(Joint::in_light(scene, near.0, near.1, is_uneven))),
+            Kind::Mtf | Kind::Mse => Loss::new(kind, scene, near),
+        }
+    }
+
+    /// Returns whether the light of the photographs is uneven; `None` for losses that do not ask.
+    pub(crate) fn is_uneven(&self) -> Option<bool> {
+        match self {
+            Loss::Mtf(_) | Loss::Mse(_) => None,
+            Loss::Edge(joint) => Some(joint.is_uneven()),
+        }
+    }
+
     /// Makes the loss of MTFs with these weights.
     pub fn of_mtfs(scene: &'a Scene, weights: Weights) -> Loss<'a> {
         match weights {

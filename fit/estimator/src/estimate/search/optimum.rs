@@ -1,6 +1,7 @@
 //! The parameters with which a candidate describes the photographs best.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::estimate::scene::Scene;
 use crate::estimate::search::layout::Choice;
@@ -53,7 +54,7 @@ pub fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> O
     const ROUGH: f64 = 1e-3;
     let loss = Loss::Mtf(scene);
     let layout = Layout::new(choice, scene.groups.len());
-    let solutions = starts.into_iter().map(|start| {
+    let solutions = starts.into_par_iter().map(|start| {
         let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();
         let c = choice.kernel.has_c().then(|| start.c_mm.ln());
         let point = c.into_iter().chain((0..layout.spreads).map(spread));
@@ -64,7 +65,8 @@ pub fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> O
         layout.limit(&mut solution.parameters);
         solution
     });
-    let solution = least(solutions).expect("there is always a starting point");
+    let solutions: Vec<Solution> = solutions.collect();
+    let solution = least(solutions.into_iter()).expect("there is always a starting point");
     Optimum {
         choice,
         solution,

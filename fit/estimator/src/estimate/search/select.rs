@@ -11,12 +11,14 @@
 //! Otherwise an error that all candidates share would add terms.
 
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use tables::Table;
 
 use crate::error::{Conflict, Error};
-use crate::estimate::progress::{Progress, Step};
+use crate::estimate::progress::{Cancelled, Progress, Step};
 use crate::estimate::scene::Scene;
 use crate::estimate::search::fitted::{Estimate, estimate};
 use crate::estimate::search::further;
@@ -204,12 +206,14 @@ pub fn select<'a>(
     progress: &Progress,
 ) -> Result<Selection<'a>, Error> {
     let choices = choices(scene, open);
-    let of = 2 * choices.len();
-    let mut fits: Vec<Optimum> = Vec::new();
-    for (done, choice) in (1..).zip(choices) {
-        fits.push(rough(scene, choice));
-        progress.done(Step::Candidates { done, of })?;
-    }
+    let (done, of) = (AtomicUsize::new(0), 2 * choices.len());
+    let counted = |fit: Optimum| {
+        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+        progress.done(Step::Candidates { done, of }).map(|()| fit)
+    };
+    let choices = choices.into_par_iter();
+    let roughly = choices.map(|choice| counted(rough(scene, choice)));
+    let mut fits: Vec<Optimum> = roughly.collect::<Result<_, Cancelled>>()?;
     share_c(scene, &mut fits);
     let scale = misfit(&fits);
     let nearest = fits
@@ -220,12 +224,12 @@ pub fn select<'a>(
     let nearest = further::nearer(scene, nearest);
     let near = (nearest.choice, nearest.solution.parameters);
     let loss = Loss::new(kind, scene, (near.0, &near.1));
-    for (done, fit) in (fits.len() + 1..).zip(&mut fits) {
+    let finished = fits.into_par_iter().map(|fit| {
         let hopeful = fit.criterion(scale) <= HOPELESS * least + CLEAR;
         let finish = if hopeful { refined } else { unrefined };
-        *fit = finish(scene, &loss, fit.clone());
-        progress.done(Step::Candidates { done, of })?;
-    }
+        counted(finish(scene, &loss, fit))
+    });
+    let mut fits: Vec<Optimum> = finished.collect::<Result<_, Cancelled>>()?;
     widen(scene, &loss, &mut fits);
     let scale = misfit(&fits);
     let compared = ranked(scene, &fits, scale);
@@ -301,7 +305,7 @@ fn share_c(scene: &Scene, fits: &mut [Optimum]) {
     let Some(shared) = best.and_then(ln_c) else {
         return;
     };
-    for fit in fits {
+    fits.par_iter_mut().for_each(|fit| {
         if ln_c(fit).is_some_and(|own| (own - shared).abs() > ELSEWHERE) {
             let start = start::at(scene, fit.choice, shared.exp());
             let other = rough_from(scene, fit.choice, vec![start]);
@@ -309,7 +313,7 @@ fn share_c(scene: &Scene, fits: &mut [Optimum]) {
                 *fit = other;
             }
         }
-    }
+    });
 }
 
 /// Fits a candidate with one spread per incidence again if the same one with one spread for all is

@@ -133,6 +133,9 @@ pub struct Doubted<'a> {
     pub bounds: &'a Bounds,
     /// True if the azimuth was estimated.
     pub azimuth_found: bool,
+    /// Whether the light of the photographs is uneven; `None` if this is not known. A step does not
+    /// change it.
+    pub is_uneven: Option<bool>,
 }
 
 /// Changes of the coordinates of all parameters, see [`Estimate::coordinates`].
@@ -159,8 +162,8 @@ impl Doubted<'_> {
             doubted: self,
             base: base.as_deref(),
         };
-        let mut all = doubts.scales();
-        all.extend(doubts.angles());
+        let (mut all, angles) = rayon::join(|| doubts.scales(), || doubts.angles());
+        all.extend(angles);
         // An own blur that was fitted is not taken on trust, nor is a lens without a reference.
         if self.scene.reference.is_some() && self.best.own_blur_px.is_none() {
             let step = format!("{OWN_BLUR_PX} px of further blur");
@@ -178,11 +181,12 @@ impl Doubted<'_> {
             return None;
         }
         // Noise and light are found as the estimate in the other scene would find them.
-        let near = match solve {
-            Solve::Step => self.best.optimum(),
-            Solve::Fit => optimum(scene, self.best.choice),
+        let (near, is_uneven) = match solve {
+            Solve::Step => (self.best.optimum(), self.is_uneven),
+            Solve::Fit => (optimum(scene, self.best.choice), None),
         };
-        let loss = Loss::new(self.kind, scene, (near.choice, &near.solution.parameters));
+        let at = (near.choice, &near.solution.parameters);
+        let loss = Loss::in_light(self.kind, scene, at, is_uneven);
         let found = match solve {
             Solve::Step => self.stepped(scene, &loss, near, None)?,
             Solve::Fit => refined(scene, &loss, near),

@@ -6,7 +6,7 @@ use crate::estimate::search::fitted::Estimate;
 use crate::estimate::search::layout::Value;
 use crate::estimate::search::select::{CLEAR, Ranked};
 use crate::estimate::trust::goodness::{Goodness, POOR_LENS, Verdict};
-use crate::estimate::trust::suspects::Suspect;
+use crate::estimate::trust::suspects::{Diagnosis, Suspect};
 use crate::model::Further;
 use edges::names::Kernel;
 
@@ -23,7 +23,7 @@ pub(crate) fn of_estimate(
     best: &Estimate,
     compared: &[Ranked],
     goodness: &Goodness,
-    suspects: &[Suspect],
+    (suspects, diagnosis): (&[Suspect], Diagnosis),
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     // Only photographs at several distances, or the user, can tell how a scales with distance.
@@ -43,7 +43,7 @@ pub(crate) fn of_estimate(
     }
     warnings.extend(unused_distances(scene, best.choice.kernel));
     let baseline = best.choice.kernel.is_baseline();
-    warnings.extend(misfit(goodness, suspects, baseline));
+    warnings.extend(misfit(goodness, (suspects, diagnosis), baseline));
     warnings.extend(own_blur(best));
     warnings.extend(either_blur(best, compared));
     warnings.extend(unlike_diffraction(scene, best));
@@ -156,10 +156,24 @@ fn unlike_diffraction(scene: &Scene, best: &Estimate) -> Option<String> {
 }
 
 /// Returns a warning about a significant misfit, with its suspects.
-fn misfit(goodness: &Goodness, suspects: &[Suspect], baseline: bool) -> Option<String> {
+fn misfit(
+    goodness: &Goodness,
+    (suspects, diagnosis): (&[Suspect], Diagnosis),
+    baseline: bool,
+) -> Option<String> {
     let verdict = goodness.verdict.name();
-    let said = suspects.iter().take(SAID).map(|own| own.what.as_str());
-    let said = said.collect::<Vec<_>>().join("; or if ");
+    // Those that mend the fit come first, and are not named beside others.
+    let mending = suspects.iter().filter(|own| own.leaves_noise());
+    let mends = mending.clone().next().is_some();
+    let said = |of: &mut dyn Iterator<Item = &Suspect>| {
+        let said: Vec<&str> = of.take(SAID).map(|own| own.what.as_str()).collect();
+        said.join("; or if ")
+    };
+    let said = if mends {
+        said(&mut mending.into_iter())
+    } else {
+        said(&mut suspects.iter())
+    };
     let (of_blur, of_mu) = (goodness.scale, goodness.scale_of_mu);
     match goodness.verdict {
         Verdict::Good if !said.is_empty() => Some(format!(
@@ -169,9 +183,17 @@ fn misfit(goodness: &Goodness, suspects: &[Suspect], baseline: bool) -> Option<S
         Verdict::Good => None,
         Verdict::Strained if of_blur <= 1.0 => {
             let remedy = if said.is_empty() {
-                "Check the exposures, and that the lamp is steady".to_owned()
-            } else {
+                format!(
+                    "{}Check the exposures, and that the lamp is steady",
+                    cut_short(diagnosis)
+                )
+            } else if mends {
                 format!("They would agree if {said}. Check also that the lamp is steady")
+            } else {
+                format!(
+                    "They would agree better, but not well, if {said}. Check also that the lamp is \
+                    steady"
+                )
             };
             Some(format!(
                 "the fit is {verdict}: the photographs disagree on mu by more than their noise. \
@@ -193,11 +215,16 @@ fn misfit(goodness: &Goodness, suspects: &[Suspect], baseline: bool) -> Option<S
                 "Mistakes are searched for with the proposed model only: leave --model out to look \
                 for one"
                     .to_owned()
+            } else if said.is_empty() && !diagnosis.complete {
+                format!(
+                    "{}Check the manifest, the photographs and the table",
+                    cut_short(diagnosis)
+                )
             } else if said.is_empty() {
                 "No single mistake that was tried explains it: check the manifest, the \
                 photographs and the table"
                     .to_owned()
-            } else if suspects[0].leaves_noise() {
+            } else if mends {
                 format!("It would fit if {said}")
             } else {
                 format!("It would fit better, but not well, if {said}")
@@ -209,6 +236,23 @@ fn misfit(goodness: &Goodness, suspects: &[Suspect], baseline: bool) -> Option<S
                 goodness.reduced_chi2(),
             ))
         }
+    }
+}
+
+/// Returns a sentence about a search that did not come to its end, with the space behind it.
+fn cut_short(diagnosis: Diagnosis) -> String {
+    let Diagnosis {
+        complete,
+        tried,
+        of,
+    } = diagnosis;
+    match (complete, tried) {
+        (true, _) => String::new(),
+        (false, 0) => "No mistake was searched for: --diagnose 60 does so. ".to_owned(),
+        (false, _) => format!(
+            "The search for a mistake ended by its limit of time ({tried} of {of} were tried); \
+            --diagnose 60 gives it more. "
+        ),
     }
 }
 

@@ -41,11 +41,12 @@ const TABLE_STEP: f64 = 0.02;
 /// at most int (sin^2 t) t^3 dt / g(0) = 260, so the error is below 260 x 0.02^4 / 384 = 1.1e-7.
 pub(super) fn otf(k: f64) -> (f64, f64) {
     static TABLE: LazyLock<(Samples, f64)> = LazyLock::new(|| {
-        let norm = quadrature(0.0).0;
+        let nodes = nodes();
+        let norm = quadrature(&nodes, 0.0).0;
         let count = (TABLE_END / TABLE_STEP) as usize + 2;
         let values = (0..count).map(|i| i as f64 * TABLE_STEP).map(|k| {
             if k <= ASYMPTOTIC {
-                quadrature(k)
+                quadrature(&nodes, k)
             } else {
                 asymptotic(k)
             }
@@ -62,22 +63,28 @@ pub(super) fn otf(k: f64) -> (f64, f64) {
     }
 }
 
-/// Integrates g and its derivative by k, not normalised, by the 16-point Gauss-Legendre rule on 8
-/// panels. At k = 20 each panel spans 3 oscillations of the integrand, which the rule integrates to
-/// rounding.
-fn quadrature(k: f64) -> (f64, f64) {
+/// Returns the nodes t of the 16-point Gauss-Legendre rule on 8 panels, each with its weight times
+/// sin^2 t.
+fn nodes() -> Vec<[f64; 2]> {
     const PANELS: usize = 8;
     let half = CUT / PANELS as f64 / 2.0;
-    let mut sum = (0.0, 0.0);
-    for panel in 0..PANELS {
+    let panel = |panel: usize| {
         let middle = (2 * panel + 1) as f64 * half;
-        for (node, weight) in GAUSS_16 {
-            for t in [middle - node * half, middle + node * half] {
-                let s = t.sin() * t.sin() * weight * half;
-                sum.0 += s / t * libm::j0(k * t);
-                sum.1 -= s * libm::j1(k * t);
-            }
-        }
+        GAUSS_16.into_iter().flat_map(move |(node, weight)| {
+            [middle - node * half, middle + node * half]
+                .map(|t| [t, t.sin() * t.sin() * weight * half])
+        })
+    };
+    (0..PANELS).flat_map(panel).collect()
+}
+
+/// Integrates g and its derivative by k, not normalised, over [`nodes`]. At k = 20 each panel spans
+/// 3 oscillations of the integrand, which the rule integrates to rounding.
+fn quadrature(nodes: &[[f64; 2]], k: f64) -> (f64, f64) {
+    let mut sum = (0.0, 0.0);
+    for &[t, s] in nodes {
+        sum.0 += s / t * libm::j0(k * t);
+        sum.1 -= s * libm::j1(k * t);
     }
     sum
 }

@@ -8,31 +8,29 @@ use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::search::layout::Choice;
 use crate::estimate::search::select::CLEAR;
 use crate::estimate::trust::suspects::{Alternative, Otherwise, SURE, Search};
-use edges::names::{Kernel, LobeShape};
+use crate::model::wave;
+use edges::names::{Kernel, LobeShape, Spectrum};
 use edges::photographs::photo::transfer::Transfer;
 
 /// Step of the azimuths that are tried, degrees.
 const AZIMUTH_STEP_DEG: f64 = 10.0;
 
+/// Wavelengths that are tried if none is known, nm: blue, green and red.
+const WAVELENGTHS_NM: [f64; 3] = [450.0, 550.0, 650.0];
+
 /// Refractive indices that are tried: air, acrylic, crown glass and polycarbonate.
 const INDICES: [f64; 4] = [1.0, 1.49, 1.517, 1.586];
 
 impl Search<'_> {
-    /// Returns the mistakes of the manifest that are tried.
-    pub(super) fn alternatives(&self) -> Vec<Alternative> {
+    /// Returns the mistakes of the manifest that are tried, each as photographs under other
+    /// conditions.
+    pub(super) fn stated(&self) -> Vec<Otherwise<'_>> {
         let mut stated = Vec::new();
         self.exchanged(&mut stated);
         self.turned(&mut stated);
         self.of_another_sheet(&mut stated);
         self.at_other_distances(&mut stated);
-        let scenes = stated.into_par_iter().filter_map(|own| {
-            let scene = self.scene.perturbed(own.table, own.index, &own.conditions);
-            Some(self.alternative(own.what, own.captures, scene.ok()?))
-        });
-        let mut all: Vec<Alternative> = scenes.collect();
-        self.decoded_otherwise(&mut all);
-        self.alone(&mut all);
-        all
+        stated
     }
 
     /// Adds the photographs under other conditions, if that changes any.
@@ -108,7 +106,12 @@ impl Search<'_> {
         pairs.collect()
     }
 
-    fn alternative(&self, what: String, captures: Vec<String>, scene: Scene) -> Alternative {
+    pub(super) fn alternative(
+        &self,
+        what: String,
+        captures: Vec<String>,
+        scene: Scene,
+    ) -> Alternative {
         Alternative {
             what,
             captures,
@@ -120,7 +123,7 @@ impl Search<'_> {
 
     /// Returns the chosen candidate, and the one with both terms if the chosen one lacks one: the
     /// mistake may have hidden the other.
-    fn fuller(&self) -> Vec<Choice> {
+    pub(super) fn fuller(&self) -> Vec<Choice> {
         let own = self.fit.choice;
         let both = Choice {
             kernel: Kernel::Eq1,
@@ -313,7 +316,7 @@ impl Search<'_> {
     }
 
     /// Adds the other transfer: sRGB for linear values, or the reverse.
-    fn decoded_otherwise(&self, all: &mut Vec<Alternative>) {
+    pub(super) fn decoded_otherwise(&self, all: &mut Vec<Alternative>) {
         let Some(first) = self.scene.shots.first() else {
             return;
         };
@@ -351,7 +354,7 @@ impl Search<'_> {
     }
 
     /// Adds the scenes without the worst photograph.
-    fn alone(&self, all: &mut Vec<Alternative>) {
+    pub(super) fn alone(&self, all: &mut Vec<Alternative>) {
         let shots = &self.scene.shots;
         let Some(i) = self.worst().filter(|_| shots.len() > 1) else {
             return;
@@ -369,7 +372,8 @@ impl Search<'_> {
         });
     }
 
-    /// Returns the kernels and lobes that were not among the candidates.
+    /// Returns the kernels and lobes that were not among the candidates, and the waves if only
+    /// their wavelength is missing.
     pub(super) fn not_tried(&self) -> Vec<Alternative> {
         let kernels = [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe];
         let pairs = LobeShape::COMPARED.into_iter();
@@ -381,10 +385,45 @@ impl Search<'_> {
                 |own: Choice| own.kernel == kernel && (own.shape == shape || !kernel.has_lobe());
             !self.tried.iter().any(|row| same(row.choice))
         });
-        pairs
+        let of_rays = pairs
             .into_iter()
-            .map(|(kernel, shape)| self.of_blur_by(kernel, shape))
-            .collect()
+            .map(|(kernel, shape)| self.of_blur_by(kernel, shape));
+        of_rays.chain(self.of_waves()).collect()
+    }
+
+    /// Returns the waves of the wavelength that fits best, if no wavelength is known and the table
+    /// has waves.
+    fn of_waves(&self) -> Option<Alternative> {
+        if self.scene.spectrum.is_some() || wave::polarises(self.table) {
+            return None;
+        }
+        let choice = Choice {
+            kernel: Kernel::Wave,
+            per_angle_a: false,
+            ..self.fit.choice
+        };
+        let conditions: Vec<Conditions> = self.scene.shots.iter().map(Aerial::conditions).collect();
+        let of = |nm: f64| {
+            let lit = Scene {
+                spectrum: Some(Spectrum::monochromatic(nm).ok()?),
+                ..self.scene.clone()
+            };
+            let scene = lit.perturbed(self.table, None, &conditions).ok()?;
+            scene.waves().ok()?;
+            let excess = self.at_least(&scene, &[choice])?.excess;
+            Some((excess, nm, scene))
+        };
+        let all: Vec<_> = WAVELENGTHS_NM.into_par_iter().filter_map(of).collect();
+        let (_, nm, scene) = all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let what = format!(
+            "light spreads as waves do (kernel wave), which needs the wavelength: give \
+            --wavelength-nm; of those tried, {nm} nm fits best"
+        );
+        Some(Alternative {
+            choices: vec![choice],
+            cost: CLEAR,
+            ..self.alternative(what, Vec::new(), scene)
+        })
     }
 
     fn of_blur_by(&self, kernel: Kernel, shape: LobeShape) -> Alternative {

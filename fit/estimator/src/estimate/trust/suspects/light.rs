@@ -1,18 +1,21 @@
 //! Suspects that the brightness of the photographs tells: mistakes that change mu.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
-use crate::estimate::scene::Aerial;
+use crate::estimate::progress::Cancelled;
 use crate::estimate::scene::perturbed::Conditions;
-use crate::estimate::search::covariance::scatter_at;
+use crate::estimate::scene::{Aerial, Scene};
+use crate::estimate::search::covariance::{Scatter, contrasts_at, scatter_of};
 use crate::estimate::search::fitted::estimate;
 use crate::estimate::search::layout::Layout;
 use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::{optimum, refined};
+use crate::estimate::trust::goodness::Verdict;
 use crate::estimate::trust::suspects::{
-    Alternative, EXPLAINED, Named, Otherwise, SURE, Search, Suspect,
+    Alternative, EXPLAINED, Named, Otherwise, SURE, Search, Suspect, Tally,
 };
 use edges::numerics::chance;
 
@@ -22,32 +25,64 @@ const AGREE: f64 = 1e-3;
 impl Search<'_> {
     /// Returns the mistakes that would explain why the photographs disagree on mu, where the blur
     /// does not tell them.
-    pub(super) fn of_light(&self) -> Vec<Named> {
+    ///
+    /// Those are fitted that leave least if the blur stays as it is: mu is inversely proportional
+    /// to the retroreflected share of the table.
+    ///
+    /// # Errors
+    /// Returns [`Cancelled`] if the flag of the progress is set.
+    pub(super) fn of_light(&self, tally: &Tally) -> Result<Vec<Named>, Cancelled> {
         let Some(now) = self
             .fit
             .scatter
             .as_ref()
             .filter(|_| self.goodness.is_light_off())
         else {
-            return Vec::new();
+            return Ok(Vec::new());
         };
+        let (choice, at) = (self.fit.choice, &self.fit.solution.parameters);
+        let layout = |scene: &Scene| Layout::new(choice, scene.groups.len());
+        let contrasts = contrasts_at(self.scene, &layout(self.scene), at);
+        let told = |own: &Otherwise| {
+            let scene = self.made(own).filter(Scene::is_lit)?;
+            let scatter = scatter_of(&scene, &layout(&scene), &contrasts);
+            Some(scatter.squares() - scatter.freedom as f64)
+        };
+        let stated = self.stated();
+        tally.of.fetch_add(stated.len(), Ordering::Relaxed);
+        let mut all = self.first(&stated, tally, told)?;
+        let fitted = all.len();
+        if !self.is_over(tally) {
+            self.decoded_otherwise(&mut all);
+            self.alone(&mut all);
+        }
+        tally.of.fetch_add(all.len() - fitted, Ordering::Relaxed);
         let excess = now.squares() - now.freedom as f64;
-        let left = |own: &Alternative| {
-            let fit = self.at_least(&own.scene, &own.choices)?;
-            let layout = Layout::new(fit.choice, own.scene.groups.len());
-            let scatter = scatter_at(&own.scene, &layout, &fit.at);
-            let left = scatter.squares() - scatter.freedom as f64 + own.cost;
-            (excess - left > SURE.max(EXPLAINED * excess)).then(|| Named {
-                suspect: Suspect {
-                    what: own.what.clone(),
-                    captures: own.captures.clone(),
-                    chi2_if_so: scatter.squares(),
-                    degrees_of_freedom_if_so: scatter.freedom,
-                },
-                left,
-            })
+        let left = |(order, own): (usize, &Alternative)| {
+            if self.is_over(tally) {
+                return Ok(None);
+            }
+            let named = self.at_least(&own.scene, &own.choices).and_then(|found| {
+                let (choice, at) = (found.fit.choice, &found.fit.solution.parameters);
+                let layout = Layout::new(choice, own.scene.groups.len());
+                let contrasts = contrasts_at(&own.scene, &layout, at);
+                let scatter = scatter_of(&own.scene, &layout, &contrasts);
+                let left = scatter.squares() - scatter.freedom as f64 + own.cost;
+                (excess - left > SURE.max(EXPLAINED * excess)).then(|| Named {
+                    suspect: self.of_scatter(own.what.clone(), own.captures.clone(), &scatter),
+                    left,
+                    order,
+                })
+            });
+            self.done(tally, 1)?;
+            Ok(named)
         };
-        self.alternatives().par_iter().filter_map(left).collect()
+        let named: Vec<Option<Named>> = all
+            .par_iter()
+            .enumerate()
+            .map(left)
+            .collect::<Result<_, _>>()?;
+        Ok(named.into_iter().flatten().collect())
     }
 
     /// Returns the mistakes without which one mu would do for all incidences, where the photographs
@@ -101,6 +136,7 @@ impl Search<'_> {
                 captures: own.captures.clone(),
                 chi2_if_so: squares,
                 degrees_of_freedom_if_so: freedom,
+                verdict_if_so: Some(Verdict::Good),
             })
         };
         let mut found: Vec<Suspect> = all.iter().filter_map(agrees).collect();
@@ -110,6 +146,10 @@ impl Search<'_> {
 
     /// Names the exposure that explains why the photographs disagree on mu. Of two photographs
     /// alone it cannot tell which.
+    ///
+    /// It is one exposure only if the others agree. Other causes, such as a tone curve or a blur
+    /// that the model lacks, move the light of all photographs. A blur that does not fit moves it by
+    /// more than the noise, which is then raised as the errors of the blur are.
     pub(super) fn exposure(&self) -> Option<Named> {
         let scatter = self.fit.scatter.as_ref();
         let scatter = scatter.filter(|_| self.goodness.is_light_off())?;
@@ -128,9 +168,13 @@ impl Search<'_> {
         let near = optimum(&others, self.fit.choice);
         let loss = Loss::new(self.kind, &others, (near.choice, &near.solution.parameters));
         let without = estimate(&others, &loss, refined(&others, &loss, near)).scatter?;
-        let left = without.squares();
-        let excess = all - scatter.freedom as f64;
-        if all - left <= SURE.max(EXPLAINED * excess) {
+        let misfit = self.goodness.scale.powi(2);
+        let left = without.squares() / misfit;
+        let excess = all / misfit - scatter.freedom as f64;
+        let others_agree = chance::of_squares(left, without.freedom) > AGREE;
+        // Where the blur does not fit, two photographs that agree may do so by chance.
+        let can_tell = misfit <= 1.0 || without.freedom > 1;
+        if all / misfit - left <= SURE.max(EXPLAINED * excess) || !others_agree || !can_tell {
             return None;
         }
         let image = shots[i].image.clone();
@@ -145,16 +189,31 @@ impl Search<'_> {
                 format!("the exposure of {image} is stated too {side}, or its light changed");
             (what, vec![image])
         };
-        let freedom = without.freedom;
         Some(Named {
-            suspect: Suspect {
-                what,
-                captures,
-                chi2_if_so: left,
-                degrees_of_freedom_if_so: freedom,
-            },
-            left: left - freedom as f64,
+            left: left - without.freedom as f64,
+            order: 0,
+            suspect: self.of_scatter(what, captures, &without),
         })
+    }
+
+    /// Makes a suspect of the light. `scatter` is what it leaves.
+    fn of_scatter(&self, what: String, captures: Vec<String>, scatter: &Scatter) -> Suspect {
+        let (squares, freedom) = (scatter.squares(), scatter.freedom);
+        let verdict = if self.goodness.scale > 1.0 {
+            // No suspect of the light mends the blur.
+            self.goodness.verdict
+        } else if chance::of_squares(squares, freedom) > AGREE {
+            Verdict::Good
+        } else {
+            Verdict::Strained
+        };
+        Suspect {
+            what,
+            captures,
+            chi2_if_so: squares,
+            degrees_of_freedom_if_so: freedom,
+            verdict_if_so: Some(verdict),
+        }
     }
 }
 
