@@ -61,7 +61,7 @@ pub struct Curve {
     pub standard_error: Vec<f64>,
     /// Variance that noise adds to the square of the modulus.
     power_noise: Vec<f64>,
-    /// Change of the modulus (rows) by one standard deviation of each bin (columns).
+    /// Change of the modulus (rows) by one standard deviation of each independent number (columns).
     by_noise: DMatrix<f64>,
     /// Number of frequencies over which noise is correlated.
     correlated: usize,
@@ -84,10 +84,7 @@ impl Curve {
         // The curve ends at the sampling frequency, a quarter of the period of the spectrum.
         let estimator = Estimator::new(profile, pitch, 4 * count, count);
         let mtf = estimator.measure(profile);
-        let mut by_noise = estimator.response(profile);
-        for (mut column, variance) in by_noise.column_iter_mut().zip(&profile.variance) {
-            column *= variance.sqrt();
-        }
+        let by_noise = profile.response(estimator.response(profile));
         let length_px = profile.len() as f64 * BIN_PX;
         Curve {
             frequency: estimator.frequencies_per_mm,
@@ -423,6 +420,7 @@ mod tests {
                 excess: vec![[0.0; 3]; bins],
                 variance: vec![1e-4; bins],
                 noise: [0.01; 2],
+                light: None,
             };
             let curve = Curve::new(&profile, 1.0, 128);
             for k in (64..128).step_by(curve.correlated) {

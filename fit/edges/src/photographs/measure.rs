@@ -21,11 +21,11 @@ use crate::photographs::{chart, correlation, defects, saturation};
 /// defects of a sensor.
 const MOST_OFF: f64 = 0.01;
 
-/// Unevenness of the light above which a polynomial of second order no longer describes it.
+/// Unevenness of the light above which a polynomial no longer describes it.
 const MOST_UNEVEN: f64 = 4.0;
 
-/// Unevenness of the light above which a polynomial of second order does not describe it well
-/// enough to even out a profile.
+/// Unevenness of the light above which a polynomial does not describe it well enough to even out a
+/// profile.
 const MOST_EVENED: f64 = 1.0;
 
 /// Largest number of rounds of repair. Each round finds the edge again in the repaired window. Even
@@ -205,19 +205,19 @@ struct Repaired {
 fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
     let pixels = window.pixels().count() + off;
     let as_lit = window.clone();
-    let (mut lights, mut unevenness): (Vec<Light>, f64) = (Vec::new(), 0.0);
+    let mut so_far: Option<Light> = None;
     let mut line = edge::straight(&window)?;
     let mut profile = Profile::new(&window, &line).ok_or(Fault::TooSmall)?;
     let mut lattice = None;
     for round in 0..ROUNDS {
-        let light = illumination::find(&window, &line, &profile);
+        let light = illumination::find(&window, &line, &profile, so_far.as_ref());
         if let Some(light) = light {
-            lights.push(light);
-            unevenness = illumination::unevenness(&lights, &window);
+            let unevenness = light.unevenness(&window);
             if unevenness > MOST_UNEVEN {
                 return Err(Fault::Uneven(unevenness));
             }
-            window.change(|pixel| pixel.value / light.at(pixel));
+            let before = so_far.replace(light).unwrap_or(Light::even(&window));
+            window.change(|pixel| pixel.value * before.at(pixel) / light.at(pixel));
         }
         if round == 0 || light.is_some() {
             (line, profile) = refined(&window, line)?;
@@ -247,6 +247,10 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
             break;
         }
     }
+    if let Some(light) = &so_far {
+        profile.light = illumination::noise(&window, &line, &profile, light);
+    }
+    let unevenness = so_far.map_or(0.0, |light| light.unevenness(&window));
     Ok(Repaired {
         window,
         as_lit,
@@ -286,8 +290,8 @@ impl Repaired {
         let light = (!self.is_even()).then(|| {
             format!(
                 "the light varies by {:.1} % over the window (vignetting or an uneven source), \
-                which was corrected for MTFs; their standard errors, and those of the losses mtf \
-                and mse, leave this correction out; the loss edge estimates the light itself",
+                which was corrected for MTFs; their standard errors include the correction; the \
+                loss edge estimates the light itself",
                 100.0 * self.unevenness
             )
         });

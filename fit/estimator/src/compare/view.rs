@@ -229,10 +229,7 @@ fn seen_by(camera: &Camera, grid: &Grid, normal_rad: f64) -> Vec<f64> {
 /// Factors the covariance that bin noise gives the measured modulus. The zero frequency is left
 /// out.
 fn whitener(response: DMatrix<f64>, profile: &Profile) -> Cholesky<f64, Dyn> {
-    let mut response = response.remove_row(0);
-    for (mut bin, variance) in response.column_iter_mut().zip(&profile.variance) {
-        bin *= variance.sqrt();
-    }
+    let response = profile.response(response.remove_row(0));
     let mut covariance = &response * response.transpose();
     for k in 0..covariance.nrows() {
         covariance[(k, k)] *= 1.0 + 1e-9;

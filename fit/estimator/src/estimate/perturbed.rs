@@ -145,6 +145,7 @@ impl Scene {
             axis_turn_rad: conditions.axis_turn_rad,
             seen_in_mirror: conditions.seen_in_mirror,
             sampled: None,
+            rounding: shot.rounding,
             image: shot.image.clone(),
             group: shot.group,
             transfer: shot.transfer.clone(),

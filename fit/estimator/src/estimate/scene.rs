@@ -47,6 +47,8 @@ pub struct Aerial {
     pub group: usize,
     /// Exposure relative to that of the reference.
     pub exposure: f64,
+    /// Relative error of the exposure by rounded shutter times, see [`captures::Shot::rounding`].
+    pub rounding: Option<f64>,
     /// Relation between stored values and light that was taken for the photograph.
     pub transfer: Taken,
     /// Measured edge, shared by all scenes of this photograph.
@@ -431,6 +433,7 @@ impl Measuring<'_> {
             r_mm: capture.range_mm(),
             group: 0,
             exposure: capture.shot.exposure,
+            rounding: capture.shot.rounding,
             transfer,
             view: Arc::new(view),
             pixels: Arc::new(pixels),
