@@ -15,7 +15,7 @@ use crate::photographs::photo::plane::Photo;
 use crate::photographs::profile::Profile;
 use crate::photographs::roi::Roi;
 use crate::photographs::window::Window;
-use crate::photographs::{chart, correlation, defects, saturation};
+use crate::photographs::{chart, correlation, defects, processing, saturation};
 
 /// Largest share of a window's pixels that may be off the edge's profile. More of them are no
 /// defects of a sensor.
@@ -48,6 +48,9 @@ pub struct Measurement {
     pub profile: Profile,
     /// Ratio of the largest to the smallest light that was evened out, less 1.
     pub unevenness: f64,
+    /// Number of times, as a variance, that the noise on the edge exceeds that beside it, if the
+    /// camera reduced the latter.
+    pub reduced_noise: Option<f64>,
     /// Warnings about what was assumed, was repaired or is doubtful, one sentence each. Those of
     /// the photograph come first.
     pub warnings: Vec<String>,
@@ -158,6 +161,10 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     } = repaired;
     warnings.extend(shape::check(&window, &line, &profile, accepted)?);
     warnings.extend(profile.warnings(&line));
+    let rise_px = shape::rise_px(&profile).unwrap_or(0.0);
+    let reduced_noise = processing::excess_on_edge(&window, &line, &profile, rise_px);
+    let overshoot = processing::overshoot(&profile, rise_px);
+    warnings.extend(processed(reduced_noise, overshoot));
     Ok(Measurement {
         region,
         as_lit: as_lit.without_those_of(&window),
@@ -165,8 +172,34 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
         line,
         profile,
         unevenness,
+        reduced_noise,
         warnings,
     })
+}
+
+/// Returns warnings about a camera that changed the edge.
+fn processed(
+    reduced_noise: Option<f64>,
+    overshoot: Option<[f64; 2]>,
+) -> impl Iterator<Item = String> {
+    let reduced = reduced_noise.map(|ratio| {
+        format!(
+            "the noise beside the edge is {:.1} times smaller than that on the edge (noise \
+            reduction, or JPEG that discards it): such a camera changes the edge too; switch noise \
+            reduction off, and save raw or 16 bits",
+            ratio.sqrt()
+        )
+    });
+    let sharpened = overshoot.map(|[dark, bright]| {
+        format!(
+            "the light overshoots beside the edge (by {:.1} % of the step on the bright side, {:.1} \
+            % on the dark one), which no lens does: the camera sharpened the photograph; switch \
+            sharpening off, and save raw or 16 bits",
+            100.0 * bright,
+            100.0 * dark
+        )
+    });
+    reduced.into_iter().chain(sharpened)
 }
 
 impl Measurement {

@@ -263,5 +263,5 @@ fn statistics_of_even_light() {
 #[test]
 #[ignore = "minutes: `make test-full` runs it"]
 fn statistics_of_uneven_light() {
-    errors(0..500, |lit| lit);
+    errors(0..300, |lit| lit);
 }

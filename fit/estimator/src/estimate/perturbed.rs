@@ -146,6 +146,7 @@ impl Scene {
             seen_in_mirror: conditions.seen_in_mirror,
             sampled: None,
             rounding: shot.rounding,
+            reduced_noise: shot.reduced_noise,
             image: shot.image.clone(),
             group: shot.group,
             transfer: shot.transfer.clone(),

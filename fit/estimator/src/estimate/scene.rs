@@ -51,6 +51,9 @@ pub struct Aerial {
     pub rounding: Option<f64>,
     /// Relation between stored values and light that was taken for the photograph.
     pub transfer: Taken,
+    /// Number of times, as a variance, that the noise on the edge exceeds that beside it, if the
+    /// camera reduced the latter.
+    pub reduced_noise: Option<f64>,
     /// Measured edge, shared by all scenes of this photograph.
     pub view: Arc<View>,
     /// Pixels of the photograph, shared by all its scenes.
@@ -348,6 +351,7 @@ struct Measured {
     view: View,
     pixels: Pixels,
     transfer: Taken,
+    reduced_noise: Option<f64>,
     warnings: Vec<String>,
 }
 
@@ -369,6 +373,7 @@ fn measure(
         as_lit,
         line,
         profile,
+        reduced_noise,
         warnings,
         ..
     } = measure::edge(&photo, shot.roi, &shot.accepted).map_err(fault)?;
@@ -376,6 +381,7 @@ fn measure(
         pixels: Pixels::new(&as_lit, &line),
         view: View::new(line, profile, pitch_mm, tangential_rad, camera),
         transfer: photo.transfer,
+        reduced_noise,
         warnings,
     })
 }
@@ -412,6 +418,7 @@ impl Measuring<'_> {
             view,
             pixels,
             transfer,
+            reduced_noise,
             mut warnings,
         } = measure(
             &capture.shot,
@@ -435,6 +442,7 @@ impl Measuring<'_> {
             exposure: capture.shot.exposure,
             rounding: capture.shot.rounding,
             transfer,
+            reduced_noise,
             view: Arc::new(view),
             pixels: Arc::new(pixels),
             warnings,

@@ -164,6 +164,10 @@ impl Search<'_> {
             let differs = mu_was_open.then(|| self.of_differing_mu());
             return Ok(differs.unwrap_or_default());
         }
+        if self.goodness.reduced > 0 {
+            // The camera is the mistake.
+            return Ok(Vec::new());
+        }
         let found = self.of_blur()?;
         if !found.is_empty() {
             // What is left of a wrong blur moves the levels of light too.

@@ -82,7 +82,7 @@ pub(crate) fn lattice(window: &Window, line: &EdgeLine, profile: &Profile) -> La
 
 /// Returns the distance over which the profile rises from 10 to 90 % of its step, pixels. The inner
 /// of several crossings count, so that noise on a plateau does not lengthen the rise.
-fn rise_px(profile: &Profile) -> Option<f64> {
+pub(crate) fn rise_px(profile: &Profile) -> Option<f64> {
     let smooth = smoothed(&profile.mean, 2);
     let (dark, bright) = profile.plateaus();
     let step = bright - dark;
