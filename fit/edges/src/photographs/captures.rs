@@ -89,6 +89,9 @@ pub struct Shot {
     pub image: PathBuf,
     /// Exposure relative to the reference, > 0.
     pub exposure: f64,
+    /// Relative error of the exposure by rounded shutter times, if it was computed from Exif data:
+    /// its ratio to that by thirds or halves of a stop, less 1. `None` if the manifest gives it.
+    pub rounding: Option<f64>,
     /// Region that holds the edge. With `None` the whole picture is used, or an edge is searched in
     /// it.
     pub roi: Option<Roi>,
@@ -112,6 +115,7 @@ impl Shot {
             },
             image: name,
             exposure,
+            rounding: None,
             roi: None,
             accepted: Vec::new(),
             decode: Decode::default(),
@@ -412,11 +416,15 @@ fn of_document(
         let given = table.exposure;
         let mut reference = shot(table)?;
         if let (None, Some(first)) = (given, references.first()) {
-            let place = &reference.place;
-            let (exposure, warning) =
-                exposure_by_camera(place, "[[reference]]", first, &mut source, &reference)?;
-            reference.exposure = exposure;
-            warnings.push(warning);
+            let place = reference.place.clone();
+            let shot = &mut reference;
+            warnings.push(expose_by_camera(
+                &place,
+                "[[reference]]",
+                first,
+                &mut source,
+                shot,
+            )?);
         }
         references.push(reference);
     }
@@ -450,9 +458,13 @@ fn of_document(
             })?,
         };
         if let (None, Some(reference)) = (given, references.first()) {
-            let (exposure, warning) =
-                exposure_by_camera(&place, "[[capture]]", reference, &mut source, &capture.shot)?;
-            capture.shot.exposure = exposure;
+            let warning = expose_by_camera(
+                &place,
+                "[[capture]]",
+                reference,
+                &mut source,
+                &mut capture.shot,
+            )?;
             warnings.push(warning);
         }
         captures.push(capture);
@@ -498,6 +510,7 @@ fn shot(
     Ok(Shot {
         image,
         exposure: table.exposure.unwrap_or(1.0),
+        rounding: None,
         roi: table.roi.or(shared.roi),
         accepted: table.accept.or(shared.accept.clone()).unwrap_or_default(),
         decode: Decode {
@@ -533,16 +546,16 @@ fn doubt(captures: &[Capture], warnings: &mut Vec<String>) {
     }
 }
 
-/// Returns the exposure of a photograph of `table` relative to the first reference, from the
-/// settings of the camera, and a warning about its accuracy. `source` keeps the settings of the
+/// Sets the exposure of a photograph of `table` relative to the first reference, by the settings of
+/// the camera, and returns a warning about its accuracy. `source` keeps the settings of the
 /// reference.
-fn exposure_by_camera(
+fn expose_by_camera(
     place: &FileLine,
     table: &str,
     reference: &Shot,
     source: &mut Option<Settings>,
-    shot: &Shot,
-) -> Result<(f64, String), Error> {
+    shot: &mut Shot,
+) -> Result<String, Error> {
     let settings = |image: &Path| {
         Settings::of(image).map_err(|lack| {
             place.clone().error(format!(
@@ -557,13 +570,15 @@ fn exposure_by_camera(
         None => source.insert(settings(&reference.image)?),
     };
     let exposure = reference.exposure * own.exposure() / source.exposure();
-    let warning = format!(
+    let rounded = |settings: &Settings| settings.seconds / settings.seconds_in_stops();
+    shot.exposure = exposure;
+    shot.rounding = Some(rounded(&own) / rounded(source) - 1.0);
+    Ok(format!(
         "{}: `exposure` is missing; {exposure:.5} was computed from the camera's Exif data ({own}; \
         reference {source}). Cameras round such settings, often by some percent, and the error of \
         mu is as large; give `exposure` if you know it better",
         shot.place
-    );
-    Ok((exposure, warning))
+    ))
 }
 
 fn setup(table: &SetupTable, file: &Path, warnings: &mut Vec<String>) -> Setup {

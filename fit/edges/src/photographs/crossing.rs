@@ -63,6 +63,12 @@ pub struct Curve {
     power_noise: Vec<f64>,
     /// Change of the modulus (rows) by one standard deviation of each bin (columns).
     by_noise: DMatrix<f64>,
+    /// The same with the correction of uneven light, which has more columns; `None` in even light.
+    ///
+    /// The light changes the scale of the whole curve. Weights that know such a common error would
+    /// bias a fit towards low values, because the covariance follows the measured modulus (Peelle's
+    /// puzzle). So weights follow `by_noise`, and standard errors all noise.
+    with_light: Option<DMatrix<f64>>,
     /// Number of frequencies over which noise is correlated.
     correlated: usize,
 }
@@ -72,6 +78,8 @@ pub struct Curve {
 struct Fit {
     terms: [f64; ORDER + 1],
     covariance: DMatrix<f64>,
+    /// Covariance with the correction of uneven light, if there is one.
+    with_light: Option<DMatrix<f64>>,
     /// Sum of the squares of the weighted residuals, above its expectation, in its own standard
     /// deviations.
     excess: f64,
@@ -84,17 +92,24 @@ impl Curve {
         // The curve ends at the sampling frequency, a quarter of the period of the spectrum.
         let estimator = Estimator::new(profile, pitch, 4 * count, count);
         let mtf = estimator.measure(profile);
-        let mut by_noise = estimator.response(profile);
+        let response = estimator.response(profile);
+        let with_light = profile
+            .light
+            .is_some()
+            .then(|| profile.response(response.clone()));
+        let mut by_noise = response;
         for (mut column, variance) in by_noise.column_iter_mut().zip(&profile.variance) {
             column *= variance.sqrt();
         }
+        let all = with_light.as_ref().unwrap_or(&by_noise);
         let length_px = profile.len() as f64 * BIN_PX;
         Curve {
             frequency: estimator.frequencies_per_mm,
             modulus: mtf.modulus,
-            standard_error: by_noise.row_iter().map(|row| row.norm()).collect(),
+            standard_error: all.row_iter().map(|row| row.norm()).collect(),
             power_noise: mtf.power_noise,
             by_noise,
+            with_light,
             correlated: ((count as f64 / length_px).round() as usize).max(1),
         }
     }
@@ -210,7 +225,11 @@ impl Curve {
 
     /// Returns the standard error of a weighted sum of moduli.
     fn error_of(&self, weights: &[(usize, f64)]) -> f64 {
-        let columns = self.by_noise.column_iter();
+        let columns = self
+            .with_light
+            .as_ref()
+            .unwrap_or(&self.by_noise)
+            .column_iter();
         let changes = columns.map(|column| weights.iter().map(|(k, w)| w * column[*k]).sum());
         changes
             .map(|change: f64| change * change)
@@ -232,7 +251,7 @@ impl Curve {
         let ends = [indices[0], indices[points - 1]].map(|k| self.modulus[k].max(0.1 * level).ln());
         terms[1] = 0.5 * (ends[1] - ends[0]);
         let mut excess = f64::INFINITY;
-        let mut normal: Option<Cholesky<f64, Dyn>> = None;
+        let mut normal: Option<(Cholesky<f64, Dyn>, DMatrix<f64>)> = None;
         for _ in 0..STEPS {
             // No MTF of light lies far above 1; a step that leads there is cut off.
             let model = (&powers * &terms).map(|log| log.min(1.0).exp());
@@ -250,11 +269,17 @@ impl Curve {
             let freedom = (points - ORDER - 1) as f64;
             excess = (rest.dot(&noise.solve(&rest)) - freedom) / (2.0 * freedom).sqrt();
             terms += step;
-            normal = Some(factor);
+            normal = Some((factor, weighted));
         }
+        let (factor, weighted) = normal?;
+        let with_light = self.with_light.as_ref().map(|all| {
+            let terms = factor.solve(&(weighted.transpose() * all.select_rows(indices)));
+            &terms * terms.transpose()
+        });
         Some(Fit {
             terms: std::array::from_fn(|j| terms[j]),
-            covariance: normal?.inverse(),
+            covariance: factor.inverse(),
+            with_light,
             excess,
         })
     }
@@ -287,7 +312,8 @@ impl Fit {
             u -= ((value - level.ln()) / slope).clamp(-0.3, 0.3);
         }
         let by_term = DVector::from_fn(ORDER + 1, |j, _| power(u, j));
-        let variance = by_term.dot(&(&self.covariance * &by_term));
+        let covariance = self.with_light.as_ref().unwrap_or(&self.covariance);
+        let variance = by_term.dot(&(covariance * &by_term));
         let terms = self.settled();
         let settled: f64 = (1..=ORDER)
             .map(|j| terms[j] * j as f64 * power(u, j - 1))
@@ -351,6 +377,7 @@ mod tests {
                 let fit = Fit {
                     terms: std::array::from_fn(|j| truth[j] + noise[j]),
                     covariance: covariance.clone(),
+                    with_light: None,
                     excess: 0.0,
                 };
                 if let Some(crossing) = fit.falls_to(level) {
@@ -423,6 +450,7 @@ mod tests {
                 excess: vec![[0.0; 3]; bins],
                 variance: vec![1e-4; bins],
                 noise: [0.01; 2],
+                light: None,
             };
             let curve = Curve::new(&profile, 1.0, 128);
             for k in (64..128).step_by(curve.correlated) {

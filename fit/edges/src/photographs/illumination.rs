@@ -1,210 +1,379 @@
 //! Correction of uneven light (vignetting, gradients of the source): it is found beside the edge.
 //!
-//! The light is a factor on everything, as vignetting and an uneven source are: 1 + g1 s + g2 t +
-//! g3 (s^2 + t^2). s is the distance from the edge and t the place along it. It has one curvature,
-//! as a lens has. Light that falls far is the exponential of these terms. On real photographs a
-//! curvature of its own across the edge, or a twist, takes the asymmetric tails of a blur for light
-//! of 100 % and more.
+//! The light is a factor on everything: exp(q), where q is a polynomial in the place x, y within the
+//! window, in units of half its width and half its height.
 //!
-//! - g2 and g3: an edge is the same all along t, so both show in pixels of equal s. Only pixels on
-//!   the plateaus are used, because a bowed edge has the same effect near the edge.
-//! - g1: along s, light and blur are told apart by symmetry. About its middle a blurred edge is
-//!   odd, however far its tails reach. g1 adds an even part, s times the odd part of the edge. The
-//!   blur itself may have an even part (coma); it is left out with the middle quarter of the
-//!   profile.
+//! ```text
+//! first order:   x, y
+//! second order:  x^2, x y, y^2
+//! third order:   x^3, x^2 y, x y^2, y^3
+//! fourth order:  (x^2 + y^2)^2, with x and y in units of half the diagonal
+//! ```
+//!
+//! These are the terms of the loss `edge` (`estimator::compare::light`), turned with the window.
+//! Two kinds of differences show them:
+//!
+//! - Along the edge: an edge is the same all along, so pixels at the same distance from it differ by
+//!   the light alone.
+//! - Across the edge, light and blur are told apart by symmetry. About its middle a blurred edge is
+//!   odd, however far its tails reach. So the even part of the profile is the light's.
+//!
+//! Both leave out the middle quarter of the profile: there a bowed edge looks like light, and the
+//! blur itself may have an even part (coma). A small error in the place, the turn or the bow of the
+//! edge is estimated with the light.
+//!
+//! All terms have a normal distribution before the pixels are seen. What the pixels do not tell
+//! stays within it, and reaches the standard errors, see [`Noise`].
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::DMatrix;
 
+use crate::numerics::chance;
 use crate::numerics::factor;
 use crate::numerics::factor::Products;
 use crate::photographs::edge::line::EdgeLine;
-use crate::photographs::profile::{BIN_PX, Profile};
+use crate::photographs::profile::{BIN_PX, Noise, Profile};
 use crate::photographs::window::{Pixel, Window};
 
-/// Least unevenness over the window that is corrected. The asymmetric halo of a real lens can look
-/// like unevenness of this size.
-const LEAST: f64 = 0.01;
+/// Number of terms of the light, and of those up to second order.
+const LIGHT: usize = 10;
+const SECOND_ORDER: usize = 5;
 
-/// Least fall of chi-square (3 terms) for which unevenness is corrected. Noise reaches it once in
-/// 10^10 photographs.
-const BELIEVED: f64 = 50.0;
+/// Standard deviation of the terms of first and second order before the pixels are seen, and of
+/// those of higher order. Light that falls to 0.7 by cos^4 has up to 0.05 of the latter.
+const LOW: f64 = 0.5;
+const HIGH: f64 = 0.1;
 
-/// Least light down to which it is a polynomial. Light that falls lower is the exponential of the
-/// polynomial's change: terms that are known to first order alone may fall below 0 in a corner.
-const LOWEST: f64 = 0.7;
+/// Probability of the terms up to second order in even light below which the light is uneven.
+const RARE: f64 = 1e-4;
 
-/// The light about an edge. It is 1 on the edge abreast of the window's centre. Lengths are in
-/// pixels.
+/// Least unevenness over the window that is corrected. It moves MTF50 by less than 0.3 %, and the
+/// asymmetric halo of a real lens can look like unevenness of this size.
+const LEAST: f64 = 0.005;
+
+/// Standard errors by which a step moves the light once it is found.
+const FOUND: f64 = 0.1;
+
+/// Number of pieces along the edge. A cubic differs from its means over the pieces by less than
+/// 1/1,000 of itself.
+const STRIPS: usize = 16;
+
+/// Columns of the regression: the mean of both plateaus; place, turn and bow of the edge; the light;
+/// and what is explained.
+const EDGE: usize = 1;
+const FIRST_LIGHT: usize = 4;
+const OFF: usize = FIRST_LIGHT + LIGHT;
+const COLUMNS: usize = OFF + 1;
+
+/// Standard deviation of place, turn and bow before the pixels are seen, pixels.
+const ASTRAY_PX: f64 = 0.5;
+
+/// The light about an edge. It is 1 on the edge abreast of the window's centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Light {
-    line: EdgeLine,
-    /// Coefficients of s, t and s^2 + t^2.
-    terms: [f64; 3],
-    /// True if the light is an exponential.
-    is_steep: bool,
+    /// Coefficients of the terms.
+    terms: [f64; LIGHT],
+    /// Half of the window's width and height, pixels.
+    half_px: [f64; 2],
+    /// The exponent on the edge abreast of the window's centre.
+    on_edge: f64,
 }
 
 impl Light {
-    /// Returns the light at a pixel.
-    pub(crate) fn at(&self, pixel: &Pixel) -> f64 {
-        let (s, t) = self.line.place(pixel);
-        let [by_s, by_t, curvature] = self.terms;
-        let change = by_s * s + by_t * t + curvature * (s * s + t * t);
-        if self.is_steep {
-            change.exp()
-        } else {
-            1.0 + change
+    /// Returns even light over a window.
+    pub(crate) fn even(window: &Window) -> Light {
+        Light {
+            terms: [0.0; LIGHT],
+            half_px: [window.width(), window.height()].map(|side| 0.5 * side as f64),
+            on_edge: 0.0,
         }
     }
-}
 
-/// Returns the ratio of the largest to the smallest light in the window, less 1. Several lights
-/// multiply.
-pub(crate) fn unevenness(lights: &[Light], window: &Window) -> f64 {
-    let (mut low, mut high) = (1.0_f64, 1.0_f64);
-    for pixel in window.outline() {
-        let light: f64 = lights.iter().map(|light| light.at(&pixel)).product();
-        (low, high) = (low.min(light), high.max(light));
+    /// Returns the light at a pixel.
+    pub(crate) fn at(&self, pixel: &Pixel) -> f64 {
+        (self.exponent([pixel.x, pixel.y]) - self.on_edge).exp()
     }
-    high / low - 1.0
+
+    /// Returns the ratio of the largest to the smallest light in the window, less 1.
+    pub(crate) fn unevenness(&self, window: &Window) -> f64 {
+        let ends = window.outline().map(|pixel| self.at(&pixel));
+        let (low, high) = ends.fold((1.0_f64, 1.0_f64), |(low, high), light| {
+            (low.min(light), high.max(light))
+        });
+        high / low - 1.0
+    }
+
+    fn exponent(&self, place: [f64; 2]) -> f64 {
+        let powers = self.powers(place);
+        powers.iter().zip(&self.terms).map(|(p, c)| p * c).sum()
+    }
+
+    /// Returns the terms at a place from the window's centre, pixels.
+    fn powers(&self, [x, y]: [f64; 2]) -> [f64; LIGHT] {
+        let [width, height] = self.half_px;
+        let square = (x * x + y * y) / (width * width + height * height);
+        let (x, y) = (x / width, y / height);
+        [
+            x,
+            y,
+            x * x,
+            x * y,
+            y * y,
+            x * x * x,
+            x * x * y,
+            x * y * y,
+            y * y * y,
+            square * square,
+        ]
+    }
 }
 
-/// Finds the light of a window. Returns `None` if the light is even, or if noise explains the
-/// unevenness.
-pub(crate) fn find(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<Light> {
-    let (profile, [by_t, curvature], fall_along) = along(window, line, profile)?;
-    let (by_s, fall_across) = across(&profile, curvature);
-    let mut light = Light {
-        line: *line,
-        terms: [by_s, by_t, curvature],
-        is_steep: false,
+/// Finds the light of a window that is evened out by `so_far`. Returns `None` if no step is left: if
+/// the light is even, or noise explains its unevenness, or `so_far` is the light.
+pub(crate) fn find(
+    window: &Window,
+    line: &EdgeLine,
+    profile: &Profile,
+    so_far: Option<&Light>,
+) -> Option<Light> {
+    let mut light = so_far.copied().unwrap_or(Light::even(window));
+    let bins = bins(window, line, profile, &light);
+    let regression = Regression::new(&bins, line, profile, &light);
+    let factor = factor::of(regression.along + regression.across.0);
+    let falls = factor.column(OFF);
+    let noise = (falls[OFF].powi(2) / regression.freedom.max(1) as f64).max(1.0);
+    let fall = |terms: usize| falls.rows(FIRST_LIGHT, terms).norm_squared() / noise;
+    let is_left = match so_far {
+        None => chance::of_squares(fall(SECOND_ORDER), SECOND_ORDER) < RARE,
+        Some(_) => fall(LIGHT) > FOUND * FOUND,
     };
-    light.is_steep = window.outline().any(|pixel| light.at(&pixel) < LOWEST);
-    (fall_along + fall_across > BELIEVED && unevenness(&[light], window) > LEAST).then_some(light)
+    let step = factor::back_substituted(&factor, OFF, OFF);
+    for (term, by) in light.terms.iter_mut().zip(&step.as_slice()[FIRST_LIGHT..]) {
+        *term += by;
+    }
+    light.on_edge = light.exponent(on_edge(line));
+    let is_seen = so_far.is_some() || light.unevenness(window) > LEAST;
+    (is_left && is_seen).then_some(light)
 }
 
-/// Moments of the pixels of one bin. t is in units of the window's half diagonal, r is the distance
-/// from the profile.
+/// Returns what the estimate of the light adds to the noise of a profile that is evened out by it.
+pub(crate) fn noise(
+    window: &Window,
+    line: &EdgeLine,
+    profile: &Profile,
+    light: &Light,
+) -> Option<Noise> {
+    let bins = bins(window, line, profile, light);
+    let Regression {
+        along,
+        across: (across, pairs),
+        freedom: _,
+    } = Regression::new(&bins, line, profile, light);
+    let own = |normal: DMatrix<f64>| normal.view((0, 0), (OFF, OFF)).into_owned();
+    let (along, across) = (own(along), own(across));
+    let mut normal = &along + &across;
+    normal.fill_lower_triangle_with_upper_triangle();
+    let inverse = normal.cholesky()?.inverse();
+    let light_rows = inverse.rows(FIRST_LIGHT, LIGHT);
+    let mut by_bin = DMatrix::zeros(LIGHT, profile.len());
+    for Pair { ends, root, row } in &pairs {
+        let row = nalgebra::DVector::from_column_slice(&row[..OFF]);
+        let change = light_rows * row * (0.5 * root);
+        for &end in ends {
+            by_bin.column_mut(end).axpy(1.0, &change, 1.0);
+        }
+    }
+    let from = light.powers(on_edge(line));
+    let by_light = DMatrix::from_fn(profile.len(), LIGHT, |j, i| {
+        profile.mean[j] * (bins[j].powers[i] - from[i])
+    });
+    // The normal matrix of what differs along the edge, and of the priors, is that of its noise.
+    let others = light_rows * factor::of(along).transpose();
+    Some(Noise {
+        by_light,
+        by_bin,
+        others,
+    })
+}
+
+/// Returns the place of the edge abreast of the window's centre, pixels.
+fn on_edge(line: &EdgeLine) -> [f64; 2] {
+    let (sin, cos) = line.normal_rad.sin_cos();
+    [line.offset_px * cos, line.offset_px * sin]
+}
+
+/// Pixels of one bin in one strip along the edge: number, sums of their places and of their
+/// distances from the profile.
 #[derive(Clone, Copy, Default)]
-struct Bin {
+struct Cell {
     n: f64,
-    t: [f64; 4],
-    r: f64,
-    rt: [f64; 2],
+    place: [f64; 2],
+    off: f64,
 }
 
-/// Returns the coefficients of t and t^2, and the fall of chi-square that they bring. Within each
-/// bin of equal s the pixels are regressed on level x (t, t^2). The profile that is returned is
-/// that at t = 0: the bins at its ends hold pixels of one corner of the window.
-fn along(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<(Profile, [f64; 2], f64)> {
-    let unit = 0.5 * (window.width() as f64).hypot(window.height() as f64);
-    let mut bins = vec![Bin::default(); profile.len()];
+/// Pixels of one bin.
+struct Bin {
+    cells: [Cell; STRIPS],
+    /// Means of the terms of the light.
+    powers: [f64; LIGHT],
+}
+
+/// Sorts the pixels of a window into the bins of the profile.
+fn bins(window: &Window, line: &EdgeLine, profile: &Profile, light: &Light) -> Vec<Bin> {
+    let mut cells = vec![[Cell::default(); STRIPS]; profile.len()];
     let ruler = line.ruler();
+    let (sin, cos) = line.normal_rad.sin_cos();
+    let half = 0.5 * (window.width() as f64 * sin.abs() + window.height() as f64 * cos.abs());
+    let per_px = 0.5 * STRIPS as f64 / half;
     for pixel in window.pixels() {
         let (s, t) = ruler.place(pixel.x, pixel.y);
         let Some(expected) = profile.at(s) else {
             continue;
         };
-        let bin = &mut bins[((s / BIN_PX).round() + profile.reach as f64) as usize];
-        let (t, r) = (t / unit, pixel.value - expected);
-        let mut power = t;
-        for moment in &mut bin.t {
-            *moment += power;
-            power *= t;
-        }
-        bin.n += 1.0;
-        bin.r += r;
-        bin.rt[0] += r * t;
-        bin.rt[1] += r * t * t;
+        let strip = (((t + half) * per_px).max(0.0) as usize).min(STRIPS - 1);
+        let bin = (s / BIN_PX).round() + profile.reach as f64;
+        let cell = &mut cells[bin as usize][strip];
+        cell.n += 1.0;
+        cell.place[0] += pixel.x;
+        cell.place[1] += pixel.y;
+        cell.off += pixel.value - expected;
     }
-    let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-    for (j, b) in bins.iter().enumerate() {
-        if j.abs_diff(profile.reach) < profile.reach / 4 || b.n < 2.0 {
-            continue;
+    let bin = |mut cells: [Cell; STRIPS]| {
+        let mut powers = [0.0; LIGHT];
+        let mut n = 0.0;
+        for cell in cells.iter_mut().filter(|cell| cell.n > 0.0) {
+            cell.place = cell.place.map(|sum| sum / cell.n);
+            cell.off /= cell.n;
+            n += cell.n;
+            for (sum, power) in powers.iter_mut().zip(light.powers(cell.place)) {
+                *sum += cell.n * power;
+            }
         }
-        let level = profile.mean[j];
-        let weight = 1.0 / (profile.variance[j] * profile.count[j]).max(f64::MIN_POSITIVE);
-        let t2 = b.t[1] - b.t[0] * b.t[0] / b.n;
-        let t3 = b.t[2] - b.t[0] * b.t[1] / b.n;
-        let t4 = b.t[3] - b.t[1] * b.t[1] / b.n;
-        let (rt, rtt) = (b.rt[0] - b.r * b.t[0] / b.n, b.rt[1] - b.r * b.t[1] / b.n);
-        normal += Matrix2::new(t2, t3, t3, t4) * (weight * level * level);
-        right += Vector2::new(rt, rtt) * (weight * level);
-    }
-    let terms: Vector2<f64> = normal.try_inverse()? * right;
-    let fall = terms.dot(&right);
-    let mut at_middle = profile.clone();
-    for (mean, b) in at_middle.mean.iter_mut().zip(&bins) {
-        if b.n > 0.0 {
-            let light = terms[0] * b.t[0] + terms[1] * b.t[1];
-            *mean /= 1.0 + light / b.n;
+        Bin {
+            cells,
+            powers: powers.map(|sum| if n > 0.0 { sum / n } else { 0.0 }),
         }
-    }
-    let terms = [terms[0] / unit, terms[1] / (unit * unit)];
-    Some((at_middle, terms, fall))
+    };
+    cells.into_iter().map(bin).collect()
 }
 
-/// Returns the coefficient of s, and the fall of chi-square that it brings. It comes from the even
-/// part of the profile, less its level and the even part that `curvature` makes.
-fn across(profile: &Profile, curvature: f64) -> (f64, f64) {
-    let (dark, bright) = profile.plateaus();
-    let middle = 0.5 * (dark + bright);
-    let reach = profile.reach;
-    let mut normal = Products::new(3);
-    for k in reach / 4..=reach {
-        let (low, high) = (reach - k, reach + k);
-        if profile.count[low] == 0.0 || profile.count[high] == 0.0 {
-            continue;
-        }
-        let s = k as f64 * BIN_PX;
-        let even = 0.5 * (profile.mean[low] + profile.mean[high]);
-        let odd = 0.5 * (profile.mean[high] - profile.mean[low]);
-        let root = (4.0 / (profile.variance[low] + profile.variance[high])).sqrt();
-        let row = [1.0, s * odd, even - middle * (1.0 + curvature * s * s)];
-        normal.add(&row.map(|v| v * root));
-    }
-    let factor = factor::of(normal.sum());
-    let terms = factor::back_substituted(&factor, 2, 2);
-    (terms[1], factor[(1, 2)].powi(2))
+/// Two bins at the same distance from the edge.
+struct Pair {
+    ends: [usize; 2],
+    /// Reciprocal of the standard deviation of their mean.
+    root: f64,
+    row: [f64; COLUMNS],
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::photographs::photo::plane::Photo;
-    use crate::photographs::photo::taken::Taken;
+/// Normal equations of the light.
+struct Regression {
+    /// Those of differences along the edge, and of what is known before.
+    along: DMatrix<f64>,
+    /// Those of the even part of the profile, with its rows.
+    across: (DMatrix<f64>, Vec<Pair>),
+    /// Number of independent differences less that of the terms.
+    freedom: usize,
+}
 
-    /// Light that rises by a hundredth a pixel goes from 0.8 to 1.2 over 41 pixels, a ratio of 1.5;
-    /// two such lights multiply. The numbers round by less than 1e-14.
-    #[test]
-    fn unevenness_is_the_ratio_of_largest_to_smallest_light() {
-        let photo = Photo {
-            width: 41,
-            height: 21,
-            luminance: vec![0.5; 41 * 21],
-            clip_level: None,
-            clips_alone: true,
-            transfer: Taken::default(),
-            warnings: Vec::new(),
-        };
-        let window = Window::of(&photo, None).expect("the whole picture");
-        let light = Light {
-            line: EdgeLine {
-                normal_rad: 0.0,
-                offset_px: 0.0,
-                normal_standard_error_rad: 0.0,
-                bend: None,
-            },
-            terms: [0.01, 0.0, 0.0],
-            is_steep: false,
-        };
-        for (lights, expected) in [
-            (vec![], 0.0),
-            (vec![light], 0.5),
-            (vec![light, light], 1.25),
-        ] {
-            let found = unevenness(&lights, &window);
-            assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+impl Regression {
+    fn new(bins: &[Bin], line: &EdgeLine, profile: &Profile, light: &Light) -> Regression {
+        let first = profile.reach / 4;
+        let mut along = Products::new(COLUMNS);
+        let mut freedom = 0;
+        for (j, bin) in bins.iter().enumerate() {
+            if j.abs_diff(profile.reach) >= first && profile.count[j] >= 2.0 {
+                freedom += add_along(&mut along, bin, j, line, profile, light);
+            }
+        }
+        for (term, so_far) in light.terms.iter().enumerate() {
+            let deviation = if term < SECOND_ORDER { LOW } else { HIGH };
+            let mut row = [0.0; COLUMNS];
+            row[FIRST_LIGHT + term] = 1.0 / deviation;
+            row[OFF] = -so_far / deviation;
+            along.add(&row);
+        }
+        for column in EDGE..FIRST_LIGHT {
+            let mut row = [0.0; COLUMNS];
+            row[column] = 1.0 / ASTRAY_PX;
+            along.add(&row);
+        }
+        let (dark, bright) = profile.plateaus();
+        let middle = 0.5 * (dark + bright);
+        let ends = (first..=profile.reach).map(|k| [profile.reach - k, profile.reach + k]);
+        let pairs: Vec<Pair> = ends
+            .filter_map(|ends| pair(ends, bins, profile, middle))
+            .collect();
+        let mut across = Products::new(COLUMNS);
+        pairs.iter().for_each(|pair| across.add(&pair.row));
+        Regression {
+            along: along.sum(),
+            freedom: (freedom + pairs.len()).saturating_sub(OFF),
+            across: (across.sum(), pairs),
         }
     }
+}
+
+/// Adds the differences between the pixels of one bin along the edge, and returns their number.
+fn add_along(
+    products: &mut Products,
+    bin: &Bin,
+    j: usize,
+    line: &EdgeLine,
+    profile: &Profile,
+    light: &Light,
+) -> usize {
+    let (sin, cos) = line.normal_rad.sin_cos();
+    let half = light.half_px[0].hypot(light.half_px[1]);
+    let (level, slope) = (profile.mean[j], profile.slope(j, 4));
+    let cells = || bin.cells.iter().filter(|cell| cell.n > 0.0);
+    // The row of a cell before the bin's mean is taken off.
+    let whole = |cell: &Cell| {
+        let [x, y] = cell.place;
+        let t = (y * cos - x * sin) / half;
+        let mut row = [0.0; COLUMNS];
+        row[EDGE + 1] = slope * t;
+        row[EDGE + 2] = slope * t * t;
+        let powers = light.powers(cell.place);
+        for (column, power) in row[FIRST_LIGHT..].iter_mut().zip(powers) {
+            *column = level * power;
+        }
+        row[OFF] = cell.off;
+        row
+    };
+    let mut mean = [0.0; COLUMNS];
+    for cell in cells() {
+        for (mean, value) in mean.iter_mut().zip(whole(cell)) {
+            *mean += cell.n / profile.count[j] * value;
+        }
+    }
+    let root = (profile.variance[j] * profile.count[j]).sqrt().recip();
+    for cell in cells() {
+        let mut row = whole(cell);
+        for (value, mean) in row.iter_mut().zip(mean) {
+            *value = cell.n.sqrt() * root * (*value - mean);
+        }
+        products.add(&row);
+    }
+    cells().count().saturating_sub(1)
+}
+
+/// Returns the row of the even part of the profile in two bins, or `None` if one is empty.
+/// `middle` is about that of the plateaus.
+fn pair(ends: [usize; 2], bins: &[Bin], profile: &Profile, middle: f64) -> Option<Pair> {
+    if ends.iter().any(|&j| profile.count[j] == 0.0) {
+        return None;
+    }
+    let mean = |of: &dyn Fn(usize) -> f64| 0.5 * (of(ends[0]) + of(ends[1]));
+    let root = (0.5 * mean(&|j| profile.variance[j])).sqrt().recip();
+    let mut row = [0.0; COLUMNS];
+    row[0] = 1.0;
+    row[EDGE] = mean(&|j| profile.slope(j, 4));
+    for (i, column) in row[FIRST_LIGHT..OFF].iter_mut().enumerate() {
+        *column = mean(&|j| profile.mean[j] * bins[j].powers[i]);
+    }
+    row[OFF] = mean(&|j| profile.mean[j]) - middle;
+    Some(Pair {
+        ends,
+        root,
+        row: row.map(|value| root * value),
+    })
 }

@@ -15,17 +15,17 @@ use crate::photographs::photo::plane::Photo;
 use crate::photographs::profile::Profile;
 use crate::photographs::roi::Roi;
 use crate::photographs::window::Window;
-use crate::photographs::{band, chart, correlation, defects, saturation};
+use crate::photographs::{band, chart, correlation, defects, processing, saturation};
 
 /// Largest share of a window's pixels that may be off the edge's profile. More of them are no
 /// defects of a sensor.
 const MOST_OFF: f64 = 0.01;
 
-/// Unevenness of the light above which a polynomial of second order no longer describes it.
+/// Unevenness of the light above which a polynomial no longer describes it.
 const MOST_UNEVEN: f64 = 4.0;
 
-/// Unevenness of the light above which a polynomial of second order does not describe it well
-/// enough to even out a profile.
+/// Unevenness of the light above which a polynomial does not describe it well enough to even out a
+/// profile.
 const MOST_EVENED: f64 = 1.0;
 
 /// Largest number of rounds of repair. Each round finds the edge again in the repaired window. Even
@@ -48,6 +48,9 @@ pub struct Measurement {
     pub profile: Profile,
     /// Ratio of the largest to the smallest light that was evened out, less 1.
     pub unevenness: f64,
+    /// Number of times, as a variance, that the noise on the edge exceeds that beside it, if the
+    /// camera reduced the latter.
+    pub reduced_noise: Option<f64>,
     /// Warnings about what was assumed, was repaired or is doubtful, one sentence each. Those of
     /// the photograph come first.
     pub warnings: Vec<String>,
@@ -168,6 +171,10 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     } = repaired;
     warnings.extend(shape::check(&window, &line, &profile, accepted)?);
     warnings.extend(profile.warnings(&line));
+    let rise_px = shape::rise_px(&profile).unwrap_or(0.0);
+    let reduced_noise = processing::excess_on_edge(&window, &line, &profile, rise_px);
+    let overshoot = processing::overshoot(&profile, rise_px);
+    warnings.extend(processed(reduced_noise, overshoot));
     Ok(Measurement {
         region,
         as_lit: as_lit.without_those_of(&window),
@@ -175,8 +182,34 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
         line,
         profile,
         unevenness,
+        reduced_noise,
         warnings,
     })
+}
+
+/// Returns warnings about a camera that changed the edge.
+fn processed(
+    reduced_noise: Option<f64>,
+    overshoot: Option<[f64; 2]>,
+) -> impl Iterator<Item = String> {
+    let reduced = reduced_noise.map(|ratio| {
+        format!(
+            "the noise beside the edge is {:.1} times smaller than that on the edge (noise \
+            reduction, or JPEG that discards it): such a camera changes the edge too; switch noise \
+            reduction off, and save raw or 16 bits",
+            ratio.sqrt()
+        )
+    });
+    let sharpened = overshoot.map(|[dark, bright]| {
+        format!(
+            "the light overshoots beside the edge (by {:.1} % of the step on the bright side, {:.1} \
+            % on the dark one), which no lens does: the camera sharpened the photograph; switch \
+            sharpening off, and save raw or 16 bits",
+            100.0 * bright,
+            100.0 * dark
+        )
+    });
+    reduced.into_iter().chain(sharpened)
 }
 
 impl Measurement {
@@ -215,19 +248,19 @@ struct Repaired {
 fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
     let pixels = window.pixels().count() + off;
     let as_lit = window.clone();
-    let (mut lights, mut unevenness): (Vec<Light>, f64) = (Vec::new(), 0.0);
+    let mut so_far: Option<Light> = None;
     let mut line = edge::straight(&window)?;
     let mut profile = Profile::new(&window, &line).ok_or(Fault::TooSmall)?;
     let mut lattice = None;
     for round in 0..ROUNDS {
-        let light = illumination::find(&window, &line, &profile);
+        let light = illumination::find(&window, &line, &profile, so_far.as_ref());
         if let Some(light) = light {
-            lights.push(light);
-            unevenness = illumination::unevenness(&lights, &window);
+            let unevenness = light.unevenness(&window);
             if unevenness > MOST_UNEVEN {
                 return Err(Fault::Uneven(unevenness));
             }
-            window.change(|pixel| pixel.value / light.at(pixel));
+            let before = so_far.replace(light).unwrap_or(Light::even(&window));
+            window.change(|pixel| pixel.value * before.at(pixel) / light.at(pixel));
         }
         if round == 0 || light.is_some() {
             (line, profile) = refined(&window, line)?;
@@ -257,6 +290,10 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
             break;
         }
     }
+    if let Some(light) = &so_far {
+        profile.light = illumination::noise(&window, &line, &profile, light);
+    }
+    let unevenness = so_far.map_or(0.0, |light| light.unevenness(&window));
     Ok(Repaired {
         window,
         as_lit,
@@ -296,8 +333,8 @@ impl Repaired {
         let light = (!self.is_even()).then(|| {
             format!(
                 "the light varies by {:.1} % over the window (vignetting or an uneven source), \
-                which was corrected for MTFs; their standard errors, and those of the losses mtf \
-                and mse, leave this correction out; the loss edge estimates the light itself",
+                which was corrected for MTFs; their standard errors include the correction; the \
+                loss edge estimates the light itself",
                 100.0 * self.unevenness
             )
         });

@@ -15,6 +15,7 @@ mod illumination;
 pub mod measure;
 mod noise;
 pub mod photo;
+mod processing;
 mod profile;
 mod roi;
 mod saturation;

@@ -5,6 +5,8 @@
 //! over the bin. The phases of the pixel grid then bias neither the measured curve nor the
 //! comparison.
 
+use nalgebra::DMatrix;
+
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::window::Window;
 
@@ -33,11 +35,31 @@ pub struct Profile {
     pub variance: Vec<f64>,
     /// Standard deviation of one pixel by noise at the dark and at the bright end.
     pub noise: [f64; 2],
+    /// What the correction of uneven light adds to the noise; `None` in even light.
+    pub light: Option<Noise>,
+}
+
+/// Noise of the estimate of the light in the means of the bins, which the light divides.
+///
+/// A mean that is evened out is its own noise, less `by_light` times the error of the light. The
+/// error of the light is `by_bin` times the noise of the means, and `others` times independent
+/// numbers of variance 1.
+#[derive(Debug, Clone)]
+pub struct Noise {
+    /// Change of the means (rows) by each term of the light (columns).
+    pub(crate) by_light: DMatrix<f64>,
+    /// Change of each term (rows) by the mean of each bin (columns).
+    pub(crate) by_bin: DMatrix<f64>,
+    /// Change of each term (rows) by one standard deviation of what is independent of the means.
+    pub(crate) others: DMatrix<f64>,
 }
 
 /// Least rise of an end, as a share of the step, for which the blur counts as cut off by the
 /// window. The 1/x tails of a separable lobe that the estimate allows for stay below 1 %.
 const ENDS_RISE: f64 = 0.02;
+
+/// Number of pixels from which a bin tells the noise of a pixel well.
+const MANY: f64 = 6.0;
 
 #[derive(Clone, Copy, Default)]
 struct Sums {
@@ -95,6 +117,7 @@ impl Profile {
                 .collect(),
             variance: Vec::new(),
             noise: [0.0; 2],
+            light: None,
         };
         profile.bridge_means();
         profile.estimate_noise(sums, window.excess());
@@ -211,6 +234,37 @@ impl Profile {
         self.mean = curve;
     }
 
+    /// Returns the response of linear functions of the means to noise: their change by one standard
+    /// deviation of each independent number.
+    ///
+    /// Rows are functions. The columns of `by_bin` are bins, those of the result independent
+    /// numbers: the bins, and in uneven light some more.
+    pub fn response(&self, mut by_bin: DMatrix<f64>) -> DMatrix<f64> {
+        let by_light = self.light.as_ref().map(|light| &by_bin * &light.by_light);
+        if let (Some(light), Some(by_light)) = (&self.light, &by_light) {
+            by_bin -= by_light * &light.by_bin;
+        }
+        for (mut bin, variance) in by_bin.column_iter_mut().zip(&self.variance) {
+            bin *= variance.sqrt();
+        }
+        if let (Some(light), Some(by_light)) = (&self.light, &by_light) {
+            let (own, others) = (by_bin.ncols(), by_light * &light.others);
+            by_bin = by_bin.resize_horizontally(own + others.ncols(), 0.0);
+            by_bin.columns_mut(own, others.ncols()).copy_from(&others);
+        }
+        by_bin
+    }
+
+    /// Returns the variance that noise gives a linear function of the means.
+    pub fn variance_of<'w>(&self, by_bin: impl Iterator<Item = &'w f64> + Clone) -> f64 {
+        if self.light.is_some() {
+            let row = DMatrix::from_iterator(1, self.len(), by_bin.copied());
+            return self.response(row).norm_squared();
+        }
+        let bins = by_bin.zip(&self.variance);
+        bins.map(|(w, v)| w * w * v).sum()
+    }
+
     /// Returns the standard deviation of one pixel in a bin, of which means count `excess` times.
     pub(crate) fn deviation(&self, bin: usize, excess: f64) -> f64 {
         (self.variance[bin] * self.count[bin].max(1.0) / excess).sqrt()
@@ -254,7 +308,17 @@ impl Profile {
     /// divided by its count, times the `excess` of correlated pixels.
     fn estimate_noise(&mut self, sums: &[Sums], excess: f64) {
         let (mut w, mut wx, mut wy, mut wxx, mut wxy) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for (j, b) in sums.iter().enumerate().filter(|(_, b)| b.n >= 6.0) {
+        let pixels = |least: f64| {
+            let bins = sums.iter().filter(|b| b.n >= least);
+            bins.map(|b| b.n).sum::<f64>()
+        };
+        // In a short window all bins have few pixels.
+        let least = if pixels(MANY) < 0.5 * pixels(0.0) {
+            2.0
+        } else {
+            MANY
+        };
+        for (j, b) in sums.iter().enumerate().filter(|(_, b)| b.n >= least) {
             // Scatter about the local slope: the part of the variance that the slope makes is
             // known.
             let (m, slope) = (b.value / b.n, self.slope(j, 2));
@@ -348,6 +412,7 @@ mod tests {
             excess: vec![[0.0; 3]; 201],
             variance: vec![variance; 201],
             noise: [1.0; 2],
+            light: None,
         };
         let cases: [(f64, f64); 3] = [(0.0, 24.0), (0.24, 24.0 - 1.8), (400.0, 0.0)];
         for (variance, rise) in cases {
@@ -381,6 +446,7 @@ mod tests {
             excess: vec![[0.0; 3]; 9],
             variance: Vec::new(),
             noise: [0.0; 2],
+            light: None,
         };
         profile.estimate_noise(&sums, 2.5);
         let pixel = [1.2 * 0.01, 0.04 / 0.9];

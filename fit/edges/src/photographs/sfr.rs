@@ -201,12 +201,13 @@ impl Estimator {
 
 /// Returns the standard error of the modulus at every frequency, by pixel noise.
 pub fn standard_error(response: &DMatrix<f64>, profile: &Profile) -> Vec<f64> {
+    if profile.light.is_some() {
+        let all = profile.response(response.clone());
+        return all.row_iter().map(|row| row.norm()).collect();
+    }
     let rows = response.row_iter();
-    let squares = rows.map(|row| {
-        let bins = row.iter().zip(&profile.variance);
-        bins.map(|(a, v)| a * a * v).sum::<f64>()
-    });
-    squares.map(f64::sqrt).collect()
+    rows.map(|row| profile.variance_of(row.iter()).sqrt())
+        .collect()
 }
 
 /// Returns the weights of the bins in the tapered differences of neighbours.
@@ -292,6 +293,7 @@ mod tests {
                 .collect(),
             variance: (0..n).map(|j| 1e-4 * (2.0 + wave(j, 0.2))).collect(),
             noise: [0.01; 2],
+            light: None,
         }
     }
 

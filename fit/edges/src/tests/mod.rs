@@ -12,3 +12,4 @@ mod photo_formats;
 mod photographs;
 mod ripples;
 mod transfers;
+mod uneven;

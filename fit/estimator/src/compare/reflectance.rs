@@ -50,11 +50,7 @@ impl Contrast {
 
     /// Returns the variance of `step` that pixel noise causes.
     pub(crate) fn variance(&self, profile: &Profile) -> f64 {
-        self.by_bin
-            .iter()
-            .zip(&profile.variance)
-            .map(|(w, v)| w * w * v)
-            .sum()
+        profile.variance_of(self.by_bin.iter())
     }
 
     /// Returns the derivative of ln(step) by a parameter for which `change` is the derivative of
@@ -82,6 +78,7 @@ mod tests {
             excess: vec![[0.0; 3]; 3],
             variance: vec![0.08, 0.04, 0.016],
             noise: [0.2; 2],
+            light: None,
         }
     }
 

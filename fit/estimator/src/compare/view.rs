@@ -242,6 +242,9 @@ fn seen_by(camera: &Camera, grid: &Grid, normal_rad: f64) -> Vec<f64> {
 
 /// Factors the covariance that bin noise gives the measured modulus. The zero frequency is left
 /// out.
+///
+/// The error of the light is left out too: it is common to all frequencies, and weights that know
+/// such an error would bias a fit (Peelle's puzzle). It is in the standard errors.
 fn whitener(response: DMatrix<f64>, profile: &Profile) -> Cholesky<f64, Dyn> {
     let mut response = response.remove_row(0);
     for (mut bin, variance) in response.column_iter_mut().zip(&profile.variance) {

@@ -53,8 +53,13 @@ pub struct Aerial {
     pub group: usize,
     /// Exposure relative to that of the reference.
     pub exposure: f64,
+    /// Relative error of the exposure by rounded shutter times, see [`captures::Shot::rounding`].
+    pub rounding: Option<f64>,
     /// Relation between stored values and light that was taken for the photograph.
     pub transfer: Taken,
+    /// Number of times, as a variance, that the noise on the edge exceeds that beside it, if the
+    /// camera reduced the latter.
+    pub reduced_noise: Option<f64>,
     /// Measured edge, shared by all scenes of this photograph.
     pub view: Arc<View>,
     /// Pixels of the photograph, shared by all its scenes.
@@ -396,6 +401,7 @@ struct Sorted {
     profile: Profile,
     pixels: Pixels,
     transfer: Taken,
+    reduced_noise: Option<f64>,
     warnings: Vec<String>,
 }
 
@@ -411,6 +417,7 @@ fn sorted(shot: &captures::Shot, photo: &Source) -> Result<Sorted, Error> {
         as_lit,
         line,
         profile,
+        reduced_noise,
         warnings,
         ..
     } = measure::edge(&photo, shot.roi, &shot.accepted).map_err(fault)?;
@@ -419,6 +426,7 @@ fn sorted(shot: &captures::Shot, photo: &Source) -> Result<Sorted, Error> {
         line,
         profile,
         transfer: photo.transfer,
+        reduced_noise,
         warnings,
     })
 }
@@ -466,6 +474,7 @@ impl Measuring<'_> {
             profile,
             pixels,
             transfer,
+            reduced_noise,
             mut warnings,
         } = sorted;
         let setup = &self.campaign.setup;
@@ -484,7 +493,9 @@ impl Measuring<'_> {
             r_mm: capture.range_mm(),
             group: 0,
             exposure: capture.shot.exposure,
+            rounding: capture.shot.rounding,
             transfer,
+            reduced_noise,
             view: Arc::new(view),
             pixels: Arc::new(pixels),
             warnings,

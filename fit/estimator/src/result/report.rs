@@ -191,6 +191,12 @@ pub struct CaptureResult {
     /// format; empty in older results.
     #[serde(default)]
     pub transfer_from: String,
+    /// Exposure relative to the reference; null in older results.
+    #[serde(default)]
+    pub exposure: Option<f64>,
+    /// Origin of the exposure: `captures.toml` or `Exif`; empty in older results.
+    #[serde(default)]
+    pub exposure_from: String,
     /// Direction of the edge normal, degrees: 0 is right (+x), 90 is down (+y).
     pub edge_angle_deg: f64,
     /// Frequency at which the measured MTF falls to one half, 1/mm.
@@ -524,7 +530,18 @@ fn candidate(row: &Ranked) -> Candidate {
     }
 }
 
+/// Origin of an exposure that the camera wrote.
+const FROM_EXIF: &str = "Exif";
+
 impl ResultFile {
+    /// Returns the number of photographs whose exposure comes from Exif data.
+    pub fn exposures_from_exif(&self) -> usize {
+        let captures = self.captures.iter();
+        captures
+            .filter(|own| own.exposure_from == FROM_EXIF)
+            .count()
+    }
+
     /// Returns the spread: a, a R or the roughness, whichever the kernel has.
     pub fn spread(&self) -> Option<&Parameter> {
         let a = self.a_per_mm.as_ref().or(self.a_times_r.as_ref());
@@ -573,6 +590,11 @@ fn capture(shot: &Aerial, modelled: &[f64], loss: f64) -> CaptureResult {
         floating_distance_mm: shot.r_mm,
         transfer: shot.transfer.name.clone(),
         transfer_from: shot.transfer.from.clone(),
+        exposure: Some(shot.exposure),
+        exposure_from: match shot.rounding {
+            Some(_) => FROM_EXIF.into(),
+            None => "captures.toml".into(),
+        },
         edge_angle_deg: view.line.normal_rad.to_degrees(),
         mtf50_per_mm: view.mtf50_per_mm(),
         loss,

@@ -438,6 +438,7 @@ impl Sheet {
         let shot = |name: String, exposure: f64| Shot {
             image: PathBuf::from(name),
             exposure,
+            rounding: None,
             roi: None,
             accepted: Vec::new(),
             decode: Decode::default(),

@@ -79,6 +79,9 @@ fn changed(given: UnverifiedInput, by: f64, manifest: &mut Campaign, sheet: &mut
         }
         UnverifiedInput::HalfMirror => manifest.setup.half_mirror_reflectance *= 1.01,
         UnverifiedInput::ReferenceExposure => manifest.references[0].exposure *= 1.01,
+        UnverifiedInput::Exposure => captures
+            .iter_mut()
+            .for_each(|shot| shot.shot.exposure *= 1.01),
         UnverifiedInput::WavelengthNm => manifest.setup.spectrum = Spectrum::parse("555.5").ok(),
         UnverifiedInput::RefractiveIndex => sheet.refractive_index *= 1.01,
         UnverifiedInput::IncidenceDeg => captures

@@ -62,6 +62,16 @@ pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     for (id, bound) in &result.bounds {
         let _ = writeln!(text, "{}", bounded(*id, *bound));
     }
+    let nominal = result.exposures_from_exif();
+    if nominal > 0 && result.mu.is_some() {
+        let _ = writeln!(
+            text,
+            "mu rests on exposures of Exif data ({nominal} of {} photographs): cameras round shutter \
+             times (1/60 s stands for 1/64 s), so that mu may be off by several percent beyond its \
+             error; give `exposure` as measured",
+            result.captures.len()
+        );
+    }
     if let Some(said) = unverified_in_words(&result.trusted) {
         let _ = writeln!(text, "{said}");
     }

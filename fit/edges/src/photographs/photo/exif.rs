@@ -67,6 +67,18 @@ impl Settings {
     pub fn exposure(&self) -> f64 {
         self.seconds * self.iso / (self.f_number * self.f_number)
     }
+
+    /// Returns the shutter time for which a rounded one stands, seconds.
+    ///
+    /// Cameras open the shutter for a power of two in thirds or halves of a stop, and write what
+    /// photographers call it: 1/60 for 1/64, 1/13 for 1/12.7. The nearest such power is returned.
+    pub fn seconds_in_stops(&self) -> f64 {
+        let stops = self.seconds.log2();
+        let nearest = |parts: f64| (stops * parts).round() / parts;
+        let [thirds, halves] = [nearest(3.0), nearest(2.0)];
+        let is_third = (thirds - stops).abs() <= (halves - stops).abs();
+        (if is_third { thirds } else { halves }).exp2()
+    }
 }
 
 impl std::fmt::Display for Settings {

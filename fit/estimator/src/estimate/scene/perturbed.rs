@@ -150,6 +150,8 @@ impl Scene {
             axis_turn_rad: conditions.axis_turn_rad,
             seen_in_mirror: conditions.seen_in_mirror,
             sampled: None,
+            rounding: shot.rounding,
+            reduced_noise: shot.reduced_noise,
             image: shot.image.clone(),
             group: shot.group,
             transfer: shot.transfer.clone(),

@@ -124,15 +124,12 @@ impl Linear<'_> {
         shots.map(answer).collect()
     }
 
-    /// Returns the response of the blur to the noise of the bins.
+    /// Returns the response of the blur to the noise of the profile.
     fn by_bins(&self, answers: &[DMatrix<f64>]) -> Vec<DMatrix<f64>> {
         let shots = self.scene.shots.par_iter().zip(answers);
         let responses = shots.map(|(shot, answer)| {
-            let mut response = answer * shot.view.response(self.weights);
-            for (j, v) in shot.view.profile.variance.iter().enumerate() {
-                response.column_mut(j).scale_mut(v.sqrt());
-            }
-            response
+            let response = answer * shot.view.response(self.weights);
+            shot.view.profile.response(response)
         });
         responses.collect()
     }
@@ -216,9 +213,11 @@ impl Linear<'_> {
             full.rows_mut(0, p).copy_from(response);
             full.rows_mut(p, groups).copy_from(&(&by_blur * response));
             let (g, share) = (layout.mu_group(shot.group), shares[i]);
-            for (j, v) in shot.view.profile.variance.iter().enumerate() {
-                full[(p + g, j)] += share * contrasts[i].by_bin[j] / contrasts[i].step * v.sqrt();
-            }
+            let Contrast { step, by_bin } = &contrasts[i];
+            let by_bin = by_bin.iter().map(|by| share * by / step);
+            let by_bin = DMatrix::from_iterator(1, shot.view.profile.len(), by_bin);
+            let mut own = full.row_mut(p + g);
+            own += shot.view.profile.response(by_bin);
             covariance += &full * full.transpose();
         }
         // A lens moves mu by the blur, by the steps at the same blur, and by the reference's step.

@@ -11,6 +11,9 @@
 //! photograph out each (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapter 11).
 //! A single photograph is left out by halves, along its edge.
 //!
+//! A camera that reduces noise changes the edge at no misfit. Where photographs show it, the fit is
+//! poor whatever its chi-square.
+//!
 //! A fifth test asks whether the lens describes the references. All photographs share the lens, so
 //! its misfit is no scatter between them, which a jackknife would show. It raises the standard
 //! errors by the root of chi-square of the sums over neighbours, and the verdict is never `good`.
@@ -58,7 +61,8 @@ pub enum Verdict {
     Good,
     /// The misfit is significant. The standard errors are raised by less than 2.
     Strained,
-    /// The misfit is so large that the standard errors are raised by 2 or more.
+    /// The misfit is so large that the standard errors are raised by 2 or more, or the camera
+    /// changed the edges.
     Poor,
 }
 
@@ -129,6 +133,8 @@ pub struct Goodness {
     pub verdict: Verdict,
     /// Photograph with the largest misfit.
     pub worst: Option<Worst>,
+    /// Number of photographs whose noise the camera reduced.
+    pub reduced: usize,
     /// Numbers of the photographs, the one with the largest misfit first.
     pub(crate) worst_first: Vec<usize>,
 }
@@ -219,6 +225,11 @@ pub fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
                 reduced_chi2: remainders[worst].reduced(),
             }
         }),
+        reduced: scene
+            .shots
+            .iter()
+            .filter(|shot| shot.reduced_noise.is_some())
+            .count(),
         worst_first,
     };
     let misfit = || {
@@ -239,6 +250,13 @@ pub fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
     if let Some(scale) = misfit_of_lens(scene, &remainders) {
         goodness.scale = goodness.scale.max(scale);
         goodness.verdict = goodness.verdict.max(Verdict::of(goodness.scale));
+    }
+    // A camera that reduces noise moves the blur at no misfit. The weights of the pixels follow the
+    // noise beside the edge, and so do the standard errors.
+    let reduced = scene.shots.iter().filter_map(|shot| shot.reduced_noise);
+    if let Some(most) = reduced.reduce(f64::max) {
+        goodness.scale = goodness.scale.max(POOR).max(most.sqrt());
+        goodness.verdict = Verdict::Poor;
     }
     goodness.scale_of_mu = goodness.scale;
     if let Some(scatter) = fit.scatter.as_ref().filter(|_| goodness.is_light_off()) {

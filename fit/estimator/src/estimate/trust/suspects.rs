@@ -210,6 +210,10 @@ impl Search<'_> {
             let differs = mu_was_open.then(|| self.of_differing_mu());
             return Ok((differs.unwrap_or_default(), Diagnosis::NOT_NEEDED));
         }
+        if self.goodness.reduced > 0 {
+            // The camera is the mistake.
+            return Ok((Vec::new(), Diagnosis::NOT_NEEDED));
+        }
         let tally = Tally::default();
         let mut found = self.of_blur(&tally)?;
         // What is left of a wrong blur moves the levels of light too.

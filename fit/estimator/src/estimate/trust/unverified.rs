@@ -8,8 +8,9 @@
 //! effect itself, a few percent of it. Another cell has large effects, and is fitted to the end.
 //! Effects that follow by arithmetic alone need no step:
 //!
-//! - mu is proportional to the exposure of the reference, and inversely proportional to the half
-//!   mirror.
+//! - mu is proportional to the exposure of the reference, and inversely proportional to those of
+//!   the photographs and to the half mirror. Exif data hold rounded exposures: then the step is the
+//!   error by rounding, if that is above 1 %.
 //! - The distance R enters the model only as A / R, as lambda R, and as R times a deviation.
 //! - With the pitch p all lengths in the image are multiplied by s = p'/p, and R and the wavelength
 //!   are not. Measured in units of s mm nothing changes but R and the wavelength lambda, which
@@ -53,6 +54,8 @@ pub enum UnverifiedInput {
     HalfMirror,
     /// Exposure of the reference photograph.
     ReferenceExposure,
+    /// Exposures of the other photographs over that of the reference.
+    Exposure,
     /// Wavelengths of the source, nm.
     WavelengthNm,
     /// Refractive index of the table.
@@ -77,6 +80,7 @@ impl UnverifiedInput {
             UnverifiedInput::FloatingDistanceMm => "floating_distance_mm",
             UnverifiedInput::HalfMirror => "half_mirror",
             UnverifiedInput::ReferenceExposure => "reference_exposure",
+            UnverifiedInput::Exposure => "exposure",
             UnverifiedInput::WavelengthNm => "wavelength_nm",
             UnverifiedInput::RefractiveIndex => "refractive_index",
             UnverifiedInput::IncidenceDeg => "incidence_deg",
@@ -109,7 +113,8 @@ pub struct Unverified {
     pub what: UnverifiedInput,
     /// Value of the number; null if the photographs differ, and for a cell.
     pub value: Option<f64>,
-    /// The step, with its unit: `1 %`, `1 deg`, or another table.
+    /// The step, with its unit: `1 %`, `1 deg`, another table, or the error by rounding of an
+    /// exposure from Exif data.
     pub step: String,
     /// Effect of the step.
     pub effect: Effect,
@@ -280,6 +285,23 @@ impl Doubts<'_> {
                 exposure,
                 Some(self.of_mu(STEP)),
             ));
+            let ratios = scene
+                .shots
+                .iter()
+                .map(|shot| shot.exposure / reference.exposure);
+            let value = equal(ratios.map(Some));
+            // A stated exposure that is too large by rounding is truly smaller.
+            let rounded = scene.shots.iter().filter_map(|shot| shot.rounding);
+            let by = rounded.map(|rounding| (1.0 + rounding).recip());
+            let most = by.max_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()));
+            let (step, by) = match most {
+                Some(by) if by.ln().abs() > STEP.ln() => {
+                    (format!("{:.1} %", 100.0 * (by - 1.0)), by)
+                }
+                _ => (ONE_PERCENT.to_owned(), STEP),
+            };
+            let changes = Some(self.of_mu(by.recip()));
+            all.push(self.entry(UnverifiedInput::Exposure, value, &step, changes));
         }
         if self.doubted.best.choice.kernel.has_waves() {
             // Waves depend on the product of wavelength and distance alone.

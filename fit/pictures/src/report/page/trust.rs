@@ -56,6 +56,7 @@ fn named(given: UnverifiedInput) -> &'static str {
         UnverifiedInput::FloatingDistanceMm => "floating distances (mm)",
         UnverifiedInput::HalfMirror => "half mirror (transmittance times reflectance)",
         UnverifiedInput::ReferenceExposure => "exposure of the reference",
+        UnverifiedInput::Exposure => "exposures over that of the reference",
         UnverifiedInput::WavelengthNm => "wavelengths (nm)",
         UnverifiedInput::RefractiveIndex => "refractive index",
         UnverifiedInput::IncidenceDeg => "incidence angles (\u{b0})",
