@@ -186,12 +186,15 @@ pub fn predict(words: &[OsString], result: &ResultFile, table: &Table) -> Result
 /// Renders the mid-air image of a picture, as `fit render` does, and returns it with its facts as
 /// JSON.
 ///
+/// `camera` takes the place of the file of `--camera`.
+///
 /// # Errors
 /// Returns [`Refused`] if the words cannot be used, the picture has a value that is not finite, the
 /// table is not one of the fitted cell, or it lacks a direction.
 pub fn render(
     words: &[OsString],
     result: &ResultFile,
+    camera: Option<&ResultFile>,
     table: &Table,
     source: InMemory,
 ) -> Result<(Picture, String), Refused> {
@@ -201,7 +204,8 @@ pub fn render(
         .map_err(Failure::from)?;
     let sheet = Fitted::new(result, table).map_err(Failure::from)?;
     let pool = terminal::pool(arguments.threads).map_err(Failure::from)?;
-    let (image, facts) = pool.install(|| render::rendered(&arguments, &sheet, &source, SILENT))?;
+    let (image, facts) =
+        pool.install(|| render::rendered(&arguments, &sheet, &source, camera, SILENT))?;
     Ok((image, output::json(&facts)))
 }
 

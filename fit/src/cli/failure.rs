@@ -170,7 +170,7 @@ impl Failure {
             Failure::Table(tables::Error::PlotExtension(_)) => 2,
             Failure::Frequency { .. } | Failure::Usage(_) => 2,
             #[cfg(feature = "full")]
-            Failure::Render(render::Error::Ending(_)) => 2,
+            Failure::Render(render::Error::Ending(_) | render::Error::SampledCamera) => 2,
             _ => 1,
         }
     }

@@ -20,7 +20,7 @@ use crate::cli::progress::Bar;
 use crate::cli::render::facts::{Contrast, Report, Seconds, range};
 use crate::cli::render::image::{Method, Rendered, from_afar, from_afar_reduced, from_camera};
 pub(crate) use crate::cli::render::remarks::spacious;
-use crate::cli::render::remarks::{beyond_the_rim, clipped, of_image, of_reduced};
+use crate::cli::render::remarks::{beyond_the_rim, clipped, of_camera, of_image, of_reduced};
 use crate::cli::sampled::Samples;
 use edges::names::Family;
 use edges::photographs::photo;
@@ -30,6 +30,7 @@ use estimator::estimate::Forward;
 use estimator::predict::{Fitted, remarks};
 use estimator::result::ResultFile;
 use pictures::images::render;
+use pictures::images::render::camera::Camera;
 use pictures::images::render::view::CameraView;
 use pictures::images::{RenderProgress, RenderStep, Scale, Viewpoint, automatic};
 
@@ -231,6 +232,18 @@ pub(crate) struct Arguments {
     /// Puts the source beside the image, on the left.
     #[arg(long, help_heading = "Picture")]
     pub beside: bool,
+    /// Camera that photographs the image: adds the blur of its pixel and of its lens.
+    ///
+    /// The result is that of `fit estimate`, which measured the lens in the reference photograph;
+    /// with --channel, of the same channel. Use it to compare an image with a photograph, unless
+    /// the source is a photograph by this camera, which has the blur already.
+    #[arg(
+        long,
+        value_name = "RESULT.json",
+        conflicts_with = "view",
+        help_heading = "Picture"
+    )]
+    pub camera: Option<PathBuf>,
     /// Meaning of integers in the source: linear or srgb.
     ///
     /// Without this option the file decides: its cICP chunk, ICC profile, sRGB chunk, gAMA chunk or
@@ -281,6 +294,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = inputs
         .chain(&arguments.table)
         .chain(&arguments.params)
+        .chain(&arguments.camera)
         .chain(&arguments.view);
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
     let ending = || render::Error::Ending(arguments.output.clone());
@@ -293,11 +307,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let source = pool.install(|| photo::load_colour(&arguments.source, arguments.transfer))?;
     let result = arguments.result(&table, source.width)?;
     let sheet = Fitted::new(&result, &table)?;
+    let camera = arguments.camera()?;
     let read = started.elapsed().as_secs_f64();
 
     let progress = Bar::of_steps();
     let show = |part: RenderStep| progress.part(part.what, part.done, part.of);
-    let made = pool.install(|| rendered(arguments, &sheet, &source, &show));
+    let made = pool.install(|| rendered(arguments, &sheet, &source, camera.as_ref(), &show));
     progress.done();
     let (image, mut report) = made?;
     let rendered = started.elapsed().as_secs_f64();
@@ -341,6 +356,22 @@ impl Arguments {
         Ok(result)
     }
 
+    /// Returns the result whose camera photographs the image.
+    ///
+    /// # Errors
+    /// Fails if the file cannot be used, or holds several channels of which none is named.
+    fn camera(&self) -> Result<Option<ResultFile>, Failure> {
+        let Some(file) = &self.camera else {
+            return Ok(None);
+        };
+        let only = read_channel(file, None);
+        let result = match &self.channel {
+            Some(channel) => only.or_else(|_| read_channel(file, Some(channel)))?,
+            None => only?,
+        };
+        Ok(Some(result))
+    }
+
     /// Returns the place of an image that is seen from afar.
     fn place(&self, sheet: &Fitted<'_>) -> Viewpoint {
         Viewpoint {
@@ -366,11 +397,13 @@ fn looked(
     sheet: &Fitted<'_>,
     source: &Picture,
     view: Option<&CameraView>,
+    camera: Option<&Camera>,
     progress: RenderProgress<'_>,
 ) -> Result<(Rendered, Option<Picture>, f64), render::Error> {
     let method = Method {
         forward: arguments.forward,
         sampling: arguments.samples.sampling(),
+        camera,
         progress,
     };
     if let Some(view) = view {
@@ -395,6 +428,8 @@ fn looked(
 
 /// Renders the mid-air image of a picture, and returns it with its facts.
 ///
+/// `camera` is the result whose camera photographs the image.
+///
 /// # Errors
 /// Returns [`Failure::Render`] if the view cannot be used or the table lacks a direction, and
 /// [`Failure::Predict`] if the result cannot be used with the table.
@@ -402,17 +437,31 @@ pub(super) fn rendered(
     arguments: &Arguments,
     sheet: &Fitted<'_>,
     source: &Picture,
+    camera: Option<&ResultFile>,
     progress: RenderProgress<'_>,
 ) -> Result<(Picture, Report), Failure> {
     let (result, table) = (sheet.result, sheet.table);
     let view = arguments.view.as_deref().map(CameraView::load).transpose();
     let view = view.map_err(render::Error::from)?;
     let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
-    let looked = looked(arguments, sheet, source, view.as_ref(), progress)?;
+    let lens = camera.map(|own| {
+        let file = arguments.camera.clone().unwrap_or_default();
+        Camera::of(&own.camera).ok_or(render::Error::NoLens(file))
+    });
+    let lens = lens.transpose()?;
+    let looked = looked(
+        arguments,
+        sheet,
+        source,
+        view.as_ref(),
+        lens.as_ref(),
+        progress,
+    )?;
     let (rendered, reduced, pitch_mm) = looked;
     let places: Vec<Viewpoint> = rendered.spots.iter().map(|spot| spot.place).collect();
     let mut warnings = remarks(result, table, &places)?;
     warnings.extend(of_image(source, &rendered, sheet));
+    warnings.extend(camera.and_then(of_camera));
     warnings.extend(
         reduced
             .as_ref()

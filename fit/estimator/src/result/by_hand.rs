@@ -111,6 +111,8 @@ impl ByHand {
                 lens_blur_mm: None,
                 lens_exponent: None,
                 lens_assumed: false,
+                lens: Vec::new(),
+                farthest_from_reference_deg: None,
             },
             half_mirror: self.half_mirror,
             seen_in_mirror: Some(false),

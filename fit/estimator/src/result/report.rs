@@ -194,7 +194,7 @@ pub struct CaptureResult {
 }
 
 /// Camera that was used.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CameraResult {
     /// Width of a pixel in the plane of the mid-air image, mm.
     pub pixel_pitch_mm: f64,
@@ -207,6 +207,29 @@ pub struct CameraResult {
     /// True if there is no reference photograph, so that the lens was assumed.
     #[serde(default)]
     pub lens_assumed: bool,
+    /// OTF of the lens along each direction in which it was measured; empty in older results.
+    #[serde(default)]
+    pub lens: Vec<LensResult>,
+    /// Largest angle between the edge of a photograph and that of the nearest reference, degrees.
+    ///
+    /// A lens that one direction shows is taken for round. It is null without a reference
+    /// photograph, and in older results.
+    #[serde(default)]
+    pub farthest_from_reference_deg: Option<f64>,
+}
+
+/// Lens along one direction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LensResult {
+    /// Direction of the edge normal, degrees: 0 is right (+x), 90 is down (+y). It is null for a
+    /// lens that is taken for round.
+    pub edge_angle_deg: Option<f64>,
+    /// Number of terms that the lens has beside exp(-(f blur)^exponent).
+    pub terms: usize,
+    /// Frequencies along the normal, cycles per pixel.
+    pub frequency_per_px: Vec<f64>,
+    /// OTF of the lens at these frequencies, without the box of the pixel.
+    pub otf: Vec<f64>,
 }
 
 /// Samples of a rendered model.
@@ -356,6 +379,8 @@ impl ResultFile {
                 lens_blur_mm: lens.map(|l| l.blur_mm),
                 lens_exponent: lens.map(|l| l.exponent),
                 lens_assumed: scene.optics.assumed,
+                lens: Vec::new(),
+                farthest_from_reference_deg: None,
             },
             half_mirror: scene.half_mirror,
             seen_in_mirror: Some(estimated.campaign.setup.is_in_mirror()),

@@ -6,6 +6,7 @@ use estimator::estimate::Forward;
 use estimator::predict::Fitted;
 use estimator::samples::Sampling;
 use pictures::images::render;
+use pictures::images::render::camera::Camera;
 use pictures::images::render::psf::{LARGEST, Psf};
 use pictures::images::render::sampled;
 use pictures::images::render::sampled::Spotted;
@@ -18,6 +19,8 @@ pub(super) struct Method<'a> {
     pub forward: Forward,
     /// Samples of the blur, for a render by samples.
     pub sampling: Sampling,
+    /// Camera whose blur an image from afar has.
+    pub camera: Option<&'a Camera>,
     /// Callback for the progress.
     pub progress: RenderProgress<'a>,
 }
@@ -73,10 +76,11 @@ pub(super) fn from_afar(
 ) -> Result<Rendered, render::Error> {
     Ok(match method.forward {
         Forward::Spectral => {
-            let psf = render::uniform_psf(sheet, &place, scale)?;
+            let psf = render::uniform_psf(sheet, &place, scale, method.camera)?;
             let image = render::uniform(source, &psf, method.progress);
             Rendered::by_transforms(image, vec![place], &[psf])
         }
+        Forward::Render if method.camera.is_some() => return Err(render::Error::SampledCamera),
         Forward::Render => {
             let (sampling, progress) = (method.sampling, method.progress);
             let found = sampled::uniform(source, sheet, &place, scale, sampling, progress)?;

@@ -4,6 +4,7 @@ use crate::cli::render::facts::range;
 use crate::cli::render::image::Rendered;
 use edges::photographs::photo::picture::{Picture, Writing};
 use estimator::predict::{Fitted, between};
+use estimator::result::ResultFile;
 
 /// Returns the warnings about the source and its blur.
 pub(super) fn of_image(source: &Picture, rendered: &Rendered, sheet: &Fitted<'_>) -> Vec<String> {
@@ -45,6 +46,13 @@ pub(super) fn of_image(source: &Picture, rendered: &Rendered, sheet: &Fitted<'_>
         ));
     }
     warnings
+}
+
+/// Returns the warning for a camera whose lens was not measured.
+pub(super) fn of_camera(result: &ResultFile) -> Option<String> {
+    result.camera.lens_assumed.then(|| {
+        "the lens of the camera is assumed, because its result has no reference photograph".into()
+    })
 }
 
 /// Returns the warning for a picture that got fewer pixels, of `pitch_mm`.
