@@ -172,11 +172,14 @@ def compare(
     notes: dict[str, None] = {}
     white = None
     if reference is not None:
-        is_number = isinstance(reference, (int, float))
-        white = float(reference) if is_number else measure(reference, transfer=transfer).contrast  # type: ignore[arg-type]
-        notes[f"Exposures: from the reference, in which the light 1 has the value {white:.4g}."] = None
+        if isinstance(reference, (int, float)):
+            white = float(reference)
+        else:
+            white = measure(reference, transfer=transfer).contrast
+        note = f"Exposures: from the reference, in which the light 1 has the value {white:.4g}."
     else:
-        notes["Exposures: by least squares, so that the scores ignore the brightness."] = None
+        note = "Exposures: by least squares, so that the scores ignore the brightness."
+    notes[note] = None
     for shot in shots:
         place = f"{shot.sheet}, {shot.distance:g} mm, {shot.picture}"
         if not shot.renders:

@@ -155,9 +155,9 @@ def register(
     correlation = best.correlation()
     if not correlation > _LEAST:
         raise Error(
-            f"register: the photograph does not show the rendered picture (correlation "
-            f"{correlation:.2f}); turn, mirror or crop it so that both show the same thing upright, "
-            f"within 15 degrees and a factor of {_LARGEST_SCALE:.0f} in size"
+            "register: the photograph does not show the rendered picture (correlation "
+            f"{correlation:.2f}); turn, mirror or crop it so that both show the same thing, "
+            f"upright within 15 degrees, and within a factor of {_LARGEST_SCALE:.0f} in size"
         )
     return best.registration()
 
@@ -261,7 +261,8 @@ class _Stage:
         """Return the render on the photograph's pixels, black outside, and which it covers."""
         ndimage = needed("scipy.ndimage")
         middle = 0.5 * (self.of_render - 1)
-        rows, columns = ((one - middle) / self.of_render for one in _in_render(p, self.at, self.size))
+        at = _in_render(p, self.at, self.size)
+        rows, columns = ((one - middle) / self.of_render for one in at)
         inside = (rows >= 0) & (rows <= self.render.shape[0] - 1)
         inside &= (columns >= 0) & (columns <= self.render.shape[1] - 1)
         light = ndimage.map_coordinates(
@@ -284,8 +285,8 @@ class _Stage:
         down, right = np.gradient(light, self.step)
         wider = ndimage.laplace(light)
         x, y = _from_centre(p, self.at, self.size)
-        by = [light, np.ones_like(light), wider, ndimage.laplace(wider), -right, -down, -(right * x + down * y),
-              -(down * x - right * y)]
+        by = [light, np.ones_like(light), wider, ndimage.laplace(wider), -right, -down]
+        by += [-(right * x + down * y), right * y - down * x]
         return np.stack([one[use] for one in by], axis=-1)
 
     def refine(self) -> None:
@@ -297,14 +298,16 @@ class _Stage:
         """Return the similarity by Gauss and Newton, with shorter steps where they do not help."""
         if np.count_nonzero(use) < 0.05 * use.size:
             return p
-        photo, best, step = self.photo[use], math.inf, np.zeros(4)
+        photo, step = self.photo[use], np.zeros(4)
+        best = math.inf
         for _ in range(40):
             by = self.columns(p + step, use)
             rest = photo - by[:, :_LIGHT] @ _solved(by[:, :_LIGHT], photo)
-            if rest @ rest > best:
+            loss = float(rest @ rest)
+            if loss > best:
                 step = 0.5 * step
             else:
-                p, best = p + step, rest @ rest
+                p, best = p + step, loss
                 solved = _solved(by, photo)
                 if not solved[0] > 0:
                     break

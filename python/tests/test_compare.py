@@ -125,8 +125,8 @@ class Compare(Case):
             self.assertLess(max(found.shift_error_px), 0.01)
             self.assertGreater(found.correlation, 0.98)
         # The mean square of 48 deviations by Gauss is 1 with a standard error of (2/48)^0.5 = 0.2;
-        # errors from 64 tiles add 2/63 of it, and the blur that differs 2e-3 pixels at the rim. Four
-        # such errors are allowed.
+        # errors from 64 tiles add 2/63 of it, and the blur that differs adds 2e-3 pixels at the
+        # rim. Four such errors are allowed.
         rms = float(np.sqrt(np.mean(np.square(deviations))))
         most = float(np.abs(deviations).max())
         print(f"deviations: rms {rms:.2f}, most {most:.2f}; residuals {np.max(residuals):.2f}")
