@@ -16,7 +16,7 @@ from typing import Any
 
 import midair
 import numpy as np
-from common import Case
+from common import CAMPAIGN, Case, quiet
 
 PACKAGES = ("scipy", "skimage", "flip_evaluator")
 #: Columns and rows of renders, and the standard deviation of their blur, pixels.
@@ -88,11 +88,15 @@ def drawn(random: np.random.Generator) -> tuple[float, ...]:
     return (*shift, math.exp(random.uniform(math.log(0.7), math.log(1.6))), random.uniform(-8, 8))
 
 
-def network(a: Any, b: Any) -> Any:
-    """Return a distance that stands for LPIPS: of means over 4 x 4 pixels."""
-    import torch.nn.functional as f
+def network() -> Any:
+    """Return LPIPS by seeded weights, so that nothing is downloaded; None without its packages."""
+    if any(importlib.util.find_spec(name) is None for name in ("torch", "lpips")):
+        return None
+    import lpips
+    import torch
 
-    return (f.avg_pool2d(a, 4) - f.avg_pool2d(b, 4)).abs().mean()
+    torch.manual_seed(1)
+    return lpips.LPIPS(net="alex", pretrained=False, pnet_rand=True, verbose=False).eval()
 
 
 @unittest.skipIf(
@@ -102,18 +106,20 @@ def network(a: Any, b: Any) -> Any:
 class Compare(Case):
     def setUp(self) -> None:
         super().setUp()
-        self.network = network if importlib.util.find_spec("torch") else None
         catch = warnings.catch_warnings()
         catch.__enter__()
         self.addCleanup(catch.__exit__, None, None, None)
         warnings.simplefilter("ignore")
+        self.network = network()
 
     def test_places_are_found_within_their_errors(self) -> None:
         random = np.random.default_rng(5)
         deviations, residuals = [], []
         for seed in range(12):
             place = drawn(random)
-            size = (int(SIZE[0] * place[2] * 1.1), int(SIZE[1] * place[2] * 1.1))
+            # From parts of the board to wide surroundings.
+            wide = random.uniform(0.8, 1.8) * place[2]
+            size = (int(SIZE[0] * wide), int(SIZE[1] * wide))
             # Every second photograph is less sharp than the render, as by a model that is wrong.
             light = seen(board(seed, BLUR * (1.25 if seed % 2 else 1.0)), size, place)
             taken = photograph(light, 0.8, random)
@@ -176,8 +182,8 @@ class Compare(Case):
         taken = photograph(light, 0.5, np.random.default_rng(2))
         renders = {"right": light, "bright": 1.5 * light}
         shots = [midair.Shot("A", 150, "board", taken, renders, exposure=5.0)]
-        known = midair.compare(shots, reference=0.1).scores
-        free = midair.compare(shots).scores
+        known = midair.compare(shots, reference=0.1, network=self.network).scores
+        free = midair.compare(shots, network=self.network).scores
         psnr = [
             [one["A", 150, name, "board"].psnr_db for name in renders] for one in (known, free)
         ]
@@ -234,6 +240,83 @@ class Compare(Case):
         with self.assertRaisesRegex(midair.Error, "differ in size"):
             midair.compare([midair.Shot("A", 150, "board", light, renders)])
         self.tell(len(others), "pictures")
+
+
+class Camera(Case):
+    """The blur of the camera in a render. Needs no more than the package."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        table = midair.trace(midair.design("triangular-pair"), refractive_index=1.49, azimuth=30)
+        self.result = quiet(midair.estimate, CAMPAIGN, table)
+        self.place = {"distance": 150, "incidence": 20, "azimuth": 30}
+
+    def test_a_camera_multiplies_the_transform_by_its_lens_and_pixel(self) -> None:
+        camera = self.result.data["camera"]
+        point = np.zeros((256, 256))
+        point[128, 128] = 1.0
+        compared = 0
+        for pitch in (0.05, 0.02):
+            spectra = [
+                np.fft.rfft2(self.result.render(point, pixel_pitch=pitch, camera=own, **self.place))
+                for own in (None, self.result)
+            ]
+            y, x = np.meshgrid(np.fft.fftfreq(256), np.fft.rfftfreq(256), indexing="ij")
+            frequency = np.hypot(x, y) / pitch
+            lens = np.exp(-((frequency * camera["lens_blur_mm"]) ** camera["lens_exponent"]))
+            wide = camera["pixel_pitch_mm"] / pitch
+            pixel = np.sinc(wide * x) * np.sinc(wide * y) / (np.sinc(x) * np.sinc(y))
+            # Light is 0.02 of the point, and f32 rounds its transform by some 1e-7 of that. Light
+            # of higher frequencies that looks alike, and what lies beyond the picture, is below
+            # 1e-3 of the light.
+            used = np.abs(spectra[0]) > 0.05 * np.abs(spectra[0]).max()
+            error = np.abs(spectra[1] - spectra[0] * lens * pixel)[used]
+            self.assertLess(error.max(), 2e-3 * np.abs(spectra[0]).max(), pitch)
+            # Without the camera it would be many times that.
+            self.assertGreater(np.abs(1 - lens * pixel)[used].max(), 0.05)
+            compared += np.count_nonzero(used)
+        self.tell(compared, "frequencies")
+
+    def test_a_rendered_edge_is_as_sharp_as_its_photograph(self) -> None:
+        chi2 = {"camera": 0.0, "none": 0.0}
+        compared = 0
+        for incidence in (0, 20, 40):
+            name = f"aerial_150mm_{incidence:02}deg_tan.exr"
+            taken = quiet(midair.measure, CAMPAIGN.parent / name, pixel_pitch=0.05)
+            # An edge with the same normal in pixels half as wide, each the mean of 6 x 6 places.
+            places = (np.arange(6 * 640) + 0.5) / 6 - 320
+            turn = math.radians(taken.angle_deg)
+            bright = (math.cos(turn) * places[None, :] + math.sin(turn) * places[:, None] > 0) * 1.0
+            source = bright.reshape(640, 6, 640, 6).mean(axis=(1, 3))
+            for which, camera in (("camera", self.result), ("none", None)):
+                options = {"pixel_pitch": 0.025, "seen_in_mirror": True, "camera": camera}
+                image = self.result.render(source, 150, incidence, 30, **options)
+                # Beyond the middle the surroundings of the source are missing.
+                made = quiet(midair.measure, image[160:480, 160:480], pixel_pitch=0.025)
+                used = (taken.mtf > 0.1) & (taken.frequency > 0)
+                mtf = np.interp(taken.frequency[used], made.frequency, made.mtf)
+                error = (mtf - taken.mtf[used]) / taken.standard_error[used]
+                chi2[which] += float(np.sum(error**2))
+                compared += np.count_nonzero(used)
+        print(chi2, compared)
+        self.tell(compared, "frequencies")
+
+    def test_cameras_that_cannot_be_used_are_refused(self) -> None:
+        light = np.ones((40, 40))
+        cases = [
+            {"camera": midair.sheet(sheet="prism-0.1")},
+            {"camera": "none.json"},
+            {"camera": self.result, "forward": "render"},
+        ]
+        for case in cases:
+            with self.assertRaises(midair.Error):
+                self.result.render(light, **self.place, **case)
+        file = self.folder / "camera.json"
+        self.result.save(file)
+        cameras = (self.result, file)
+        own, read = (self.result.render(light, **self.place, camera=one) for one in cameras)
+        self.assertTrue(np.array_equal(own, read))
+        self.tell(len(cases), "refusals")
 
 
 if __name__ == "__main__":
