@@ -185,7 +185,7 @@ test-materialx: demo
 # Pictures compared, with LPIPS by seeded weights, in an environment of their own: torch is large.
 test-metrics: build wheel
 	@$(call metrics,torch torchvision lpips)
-	@cd python/tests && $(CURDIR)/.tools/metrics/bin/python -m unittest test_evaluate
+	@cd python/tests && $(CURDIR)/.tools/metrics/bin/python -m unittest test_evaluate test_compare
 	@.tools/metrics/bin/python tests/table1.py $(BIN) .tools/metrics/table1 --seeded-lpips
 # $(1): further packages.
 metrics = { test -x .tools/metrics/bin/python || $(PYTHON) -m venv .tools/metrics; } && \
@@ -212,8 +212,8 @@ test-package: tools python
 	@rm -rf .tools/dist && AIRR_PROFILE=dev && export AIRR_PROFILE && $(call wheel_into,.tools/dist)
 	@$(pip) --force-reinstall --no-deps .tools/dist/midair-*.whl
 	@cd python/tests && "$(VENV)/bin/python" -m unittest $(PACKAGE_TESTS)
-PACKAGE_TESTS = test_programs test_pickles test_tables test_arrays test_evaluate test_process \
-	test_signatures test_pages
+PACKAGE_TESTS = test_programs test_pickles test_tables test_arrays test_evaluate test_compare \
+	test_process test_signatures test_pages
 
 # The wheel as a user installs it, in a new environment and with an empty PATH: all tests of the
 # package, its examples, its programs and its notebooks.

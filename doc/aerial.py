@@ -2,8 +2,9 @@
 
     python3 doc/aerial.py target/release
 
-The argument is the folder of the programs `bake` and `fit`. The script needs numpy. It makes
-photographs of a known sheet (wave optics, cubes of 0.18 mm), fits the sheet, and renders the sign.
+The argument is the folder of the programs `bake` and `fit`. The script needs the package midair. It
+makes photographs of a known sheet (wave optics, cubes of 0.18 mm), fits the sheet, and renders the
+sign.
 """
 
 import subprocess
@@ -15,7 +16,7 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "tests"))
-from table1 import read_png, sign, srgb, write_png
+from table1 import read, sign, srgb, write_png
 
 DISTANCES_MM = [150, 300]
 EXPOSURE = "11"  # the mid-air image is about 1/11 as bright as its source
@@ -74,7 +75,7 @@ def main():
                 f"--distance {distance} --incidence 20 --azimuth 30 --pixel-pitch 0.1 "
                 f"--exposure {EXPOSURE} -o {image}"
             )
-            pictures.append(read_png(here / image))
+            pictures.append(srgb(read(here / image)))
     gap = np.full((pictures[0].shape[0], GAP_PX, 3), 0.5)
     row = [part for picture in pictures for part in (picture, gap)][:-1]
     write_png(HERE / "aerial.png", np.concatenate(row, axis=1), bits=8)

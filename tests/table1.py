@@ -16,6 +16,7 @@ import re
 import struct
 import subprocess
 import sys
+import warnings
 import zlib
 from pathlib import Path
 
@@ -221,7 +222,7 @@ def main():
     for name, image in contents.items():
         write_png(work / f"{name}.png", image)
     random = np.random.default_rng(2025)
-    scores, pictures, fits = {}, [], []
+    scores, notes, pictures, fits = {}, {}, [], []
     for number, (name, sheet) in enumerate(SHEETS.items()):
         (work / f"{name}.toml").write_text(parameters(sheet, 100 + number))
         fit("simulate", f"{name}.toml", "-o", f"photos_{name}", "--force")
@@ -304,52 +305,36 @@ def main():
                 for model in MODELS:
                     render(model, "model.png")
                     pair = [work / "model.png", work / "photo.png"]
-                    score = midair.evaluate(*pair, network=network)
-                    scores[name, distance, model, content] = vars(score)
+                    with warnings.catch_warnings(record=True) as told:
+                        warnings.simplefilter("always")
+                        score = midair.evaluate(*pair, network=network)
+                    sentences = (str(one.message) for one in told)
+                    notes |= dict.fromkeys(one for one in sentences if "left out" in one)
+                    scores[name, distance, model, content] = score
                     row.append(read(work / "model.png"))
                 if name == "A" and (content != "natural" or distance == 150):
                     pictures.append(np.concatenate([picture[::2, ::2] for picture in row], axis=1))
                 print(f"sheet {name}, {distance} mm, {content}: done", file=sys.stderr)
-    write_tables(out, scores, fits, list(contents))
+    write_tables(out, scores, list(notes), fits)
     write_png(out / "pictures.png", srgb(np.concatenate(pictures, axis=0)), bits=8)
 
 
-def write_tables(out, scores, fits, contents):
-    kinds = [kind for kind in SCORES if next(iter(scores.values())).get(kind) is not None]
-    csv = "sheet,distance_mm,model,content," + ",".join(kinds) + "\n"
-    for (name, distance, model, content), score in scores.items():
-        csv += (
-            f"{name},{distance},{model},{content},"
-            + ",".join(f"{score[kind]:.5f}" for kind in kinds)
-            + "\n"
-        )
-    (out / "table.csv").write_text(csv)
-    head = [f"{content} {SCORES[kind]}" for content in contents for kind in kinds]
-    lines = [
-        "| sheet | distance | model | " + " | ".join(head) + " |",
-        "| --- " * (3 + len(head)) + "|",
-    ]
-    behind = []
-    for name in SHEETS:
-        for distance in DISTANCES:
-            for model in MODELS:
-                cells = []
-                for content in contents:
-                    for kind in kinds:
-                        values = {m: scores[name, distance, m, content][kind] for m in MODELS}
-                        best = (max if kind in HIGHER_IS_BETTER else min)(values, key=values.get)
-                        shown = (
-                            f"{values[model]:.2f}" if kind == "psnr_db" else f"{values[model]:.4f}"
-                        )
-                        cells.append(f"**{shown}**" if model == best else shown)
-                        if model == "proposed" != best:
-                            behind.append(
-                                f"sheet {name}, {distance} mm, {content}, {SCORES[kind]}: {best}"
-                            )
-                lines.append(f"| {name} | {distance} mm | {model} | " + " | ".join(cells) + " |")
-    cells = len(SHEETS) * len(DISTANCES) * len(contents) * len(kinds)
+def write_tables(out, scores, notes, fits):
+    table = midair.Comparison(scores, {}, notes)
+    (out / "table.csv").write_text(table.csv())
+    lines = [str(table)]
+    behind, cells = [], 0
+    for place in dict.fromkeys((name, distance, content) for name, distance, _, content in scores):
+        name, distance, content = place
+        for kind, title in SCORES.items():
+            values = {m: getattr(scores[name, distance, m, content], kind) for m in MODELS}
+            if None in values.values():
+                continue
+            best = (max if kind in HIGHER_IS_BETTER else min)(values, key=values.get)
+            cells += 1
+            if best != "proposed":
+                behind.append(f"sheet {name}, {distance} mm, {content}, {title}: {best}")
     lines += [
-        "",
         f"Proposed model ahead in {cells - len(behind)} of {cells} cells."
         + "".join(f"\n- behind: {b}" for b in behind),
         "",

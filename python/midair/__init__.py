@@ -17,27 +17,33 @@ degrees. Light is linear.
 """
 
 from midair import _programs as _programs
+from midair._compare import Comparison, Shot, compare
 from midair._errors import Error, MidairWarning
 from midair._evaluate import Scores, evaluate
 from midair._fit import Edge, Estimate, Report, Result
 from midair._fit import estimate, load, measure, sheet, simulate, study
 from midair._mesh import Mesh, design
 from midair._picture import picture
+from midair._register import Registration, register
 from midair._table import Path, Table, open, trace
 from midair._version import __version__
 
 __all__ = [
+    "Comparison",
     "Edge",
     "Error",
     "Estimate",
     "Mesh",
     "MidairWarning",
     "Path",
+    "Registration",
     "Report",
     "Result",
     "Scores",
+    "Shot",
     "Table",
     "__version__",
+    "compare",
     "design",
     "estimate",
     "evaluate",
@@ -45,6 +51,7 @@ __all__ = [
     "measure",
     "open",
     "picture",
+    "register",
     "sheet",
     "simulate",
     "study",

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from typing import Any
 
@@ -13,33 +13,32 @@ import numpy as np
 import numpy.typing as npt
 
 from midair._errors import Error, warn
-from midair._picture import Picture, picture, planes
+from midair._picture import Picture
+from midair._register import EXTRA, colours
 from midair._words import File
-
-EXTRA = 'pip install "midair[evaluate]"'
 
 
 @dataclass(frozen=True)
 class Scores:
-    """How alike two pictures look.
+    """How alike two pictures look. A score is None without its package.
 
     Attributes
     ----------
     psnr_db : float
-        Peak signal-to-noise ratio over all colours, dB (scikit-image); infinite for equal pictures.
-    ssim : float
+        Peak signal-to-noise ratio over all colours, dB; infinite for equal pictures.
+    ssim : float or None
         Structural similarity of Wang et al. 2004, Gaussian window of standard deviation 1.5 pixels,
         mean over the colours (scikit-image); 1 for equal pictures.
-    flip : float
+    flip : float or None
         Mean FLIP error of Andersson et al. 2020 (flip-evaluator); 0 for equal pictures.
     lpips : float or None
-        LPIPS distance of Zhang et al. 2018, AlexNet, version 0.1 (lpips); None without the package
-        or without weights.
+        LPIPS distance of Zhang et al. 2018, AlexNet, version 0.1 (lpips); None also without its
+        weights.
     """
 
     psnr_db: float
-    ssim: float
-    flip: float
+    ssim: float | None
+    flip: float | None
     lpips: float | None
 
 
@@ -55,7 +54,7 @@ def evaluate(
     """Compare a rendered picture with a photograph of the same thing, size and place.
 
     The pictures are compared as a display shows them: the light times `exposure`, clipped to 0..1,
-    as sRGB.
+    as sRGB. `midair.compare` registers photographs first.
 
     Parameters
     ----------
@@ -74,65 +73,94 @@ def evaluate(
     Raises
     ------
     Error
-        If the pictures differ in size, are smaller than the window of SSIM (11 x 11 pixels), or the
-        packages are not installed.
+        If the pictures differ in size, or are smaller than the window of SSIM (11 x 11 pixels).
     """
-    try:
-        metrics: Any = import_module("skimage.metrics")
-        flip: Any = import_module("flip_evaluator")
-    except ImportError as missing:
-        raise Error(f"evaluate: needs {missing.name}; {EXTRA} brings it") from None
-    shown = [
-        _shown(one, name, exposure, transfer)
-        for one, name in ((rendered, "rendered"), (photograph, "photograph"))
-    ]
-    a, b = shown
+    scores, notes = scored(
+        colours(rendered, "rendered", transfer),
+        colours(photograph, "photograph", transfer),
+        exposure,
+        pixels_per_degree,
+        network,
+    )
+    warn(notes)
+    return scores
+
+
+def scored(
+    rendered: npt.NDArray[Any],
+    photograph: npt.NDArray[Any],
+    exposure: float,
+    pixels_per_degree: float,
+    network: Any,
+) -> tuple[Scores, list[str]]:
+    """Return the scores of pictures of shape (1 or 3, rows, columns), and what is left out."""
+    a, b = shown = [_shown(one, exposure) for one in (rendered, photograph)]
     if a.shape != b.shape:
         sizes = " and ".join(f"{one.shape[1]} x {one.shape[0]}" for one in shown)
-        raise Error(f"evaluate: the pictures have {sizes} pixels; crop one to the size of the other")
+        raise Error(
+            f"evaluate: the pictures have {sizes} pixels; crop one to the size of the other, or "
+            "register them with midair.compare"
+        )
     if min(a.shape[:2]) < 11:
         raise Error("evaluate: SSIM needs 11 x 11 pixels; compare a larger part")
-    same = np.array_equal(a, b)
-    ssim = metrics.structural_similarity(
-        a,
-        b,
-        gaussian_weights=True,
-        sigma=1.5,
-        use_sample_covariance=False,
-        data_range=1.0,
-        channel_axis=2,
+    error = float(np.mean((a.astype(float) - b) ** 2))
+    notes: list[str] = []
+
+    def left_out(name: str, score: Callable[[], float], remedy: str) -> float | None:
+        try:
+            return score()
+        except Exception as reason:  # a missing package, or weights that cannot be loaded
+            notes.append(f"{name} is left out: {reason}; {remedy}")
+            return None
+
+    def ssim() -> float:
+        return float(
+            import_module("skimage.metrics").structural_similarity(
+                a,
+                b,
+                gaussian_weights=True,
+                sigma=1.5,
+                use_sample_covariance=False,
+                data_range=1.0,
+                channel_axis=2,
+            )
+        )
+
+    def flip() -> float:
+        compared = import_module("flip_evaluator").evaluate
+        ppd = {"ppd": float(pixels_per_degree)}
+        return float(compared(b, a, "LDR", inputsRGB=True, applyMagma=False, parameters=ppd)[1])
+
+    def lpips() -> float:
+        torch: Any = import_module("torch")
+        pair = [torch.from_numpy(2 * np.moveaxis(one, -1, 0)[None] - 1) for one in (a, b)]
+        own = network or _network()
+        if isinstance(own, Exception):
+            raise own
+        with torch.no_grad():
+            return float(own(*pair))
+
+    scores = Scores(
+        psnr_db=-10 * math.log10(error) if error else math.inf,
+        ssim=left_out("SSIM", ssim, f"{EXTRA} brings it"),
+        flip=left_out("FLIP", flip, f"{EXTRA} brings it"),
+        lpips=left_out("LPIPS", lpips, "the packages torch and lpips bring it"),
     )
-    ppd = {"ppd": float(pixels_per_degree)}
-    error = flip.evaluate(b, a, "LDR", inputsRGB=True, applyMagma=False, parameters=ppd)[1]
-    return Scores(
-        psnr_db=math.inf if same else float(metrics.peak_signal_noise_ratio(b, a, data_range=1.0)),
-        ssim=float(ssim),
-        flip=float(error),
-        lpips=_lpips(a, b, network),
-    )
+    return scores, notes
 
 
-def _shown(
-    one: Picture | File, name: str, exposure: float, transfer: str | None
-) -> npt.NDArray[np.float32]:
+@cache
+def _network() -> Any:
+    """Return the LPIPS network of the package lpips, or why there is none, which is tried once."""
+    try:
+        return import_module("lpips").LPIPS(net="alex", version="0.1", verbose=False)
+    except Exception as reason:  # a missing package, or weights that cannot be loaded
+        return reason
+
+
+def _shown(light: npt.NDArray[Any], exposure: float) -> npt.NDArray[np.float32]:
     """Return what a display shows of a picture: sRGB values, shape (rows, columns, 3)."""
-    light = picture(one, transfer) if isinstance(one, (str, os.PathLike)) else one
-    _, colours, _ = planes(light, name)
-    light = np.clip(exposure * np.moveaxis(colours, 0, -1), 0.0, 1.0)
+    light = np.clip(exposure * np.moveaxis(light, 0, -1), 0.0, 1.0)
     light = np.broadcast_to(light, (*light.shape[:2], 3))
     curve = 1.055 * np.maximum(light, 0.0031308) ** (1 / 2.4) - 0.055
     return np.where(light <= 0.0031308, 12.92 * light, curve).astype(np.float32)
-
-
-def _lpips(a: npt.NDArray[Any], b: npt.NDArray[Any], network: Any) -> float | None:
-    """Return the LPIPS distance, or warn in one sentence and return None."""
-    try:
-        torch: Any = import_module("torch")
-        if network is None:
-            network = import_module("lpips").LPIPS(net="alex", version="0.1", verbose=False)
-        pair = [torch.from_numpy(2 * np.moveaxis(one, -1, 0)[None] - 1) for one in (a, b)]
-        with torch.no_grad():
-            return float(network(*pair))
-    except Exception as reason:  # a missing package, or weights that cannot be loaded
-        warn([f"LPIPS is left out: {reason}; the packages torch and lpips bring it"], stacklevel=4)
-        return None

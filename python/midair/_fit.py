@@ -455,6 +455,7 @@ class Result:
         ambient: float | None = None,
         exposure: float | None = None,
         auto_exposure: bool = False,
+        camera: Result | File | None = None,
         transfer: str | None = None,
         view: File | None = None,
         tolerance: float | None = None,
@@ -481,6 +482,9 @@ class Result:
             Factor on the light, and light behind the image.
         auto_exposure : bool
             True to make the brightest pixel as bright as that of the picture.
+        camera : Result or path, optional
+            Result whose camera photographs the image: the blur of its pixel and of its lens is
+            added, as a comparison with a photograph needs it.
         view : path, optional
             File with the places of camera, image and sheet, in place of distance and direction.
 
@@ -500,6 +504,7 @@ class Result:
             ambient=ambient,
             exposure=exposure,
             auto_exposure=auto_exposure,
+            camera="camera" if isinstance(camera, Result) else camera,
             transfer=transfer,
             view=view,
             tolerance=tolerance,
@@ -516,9 +521,15 @@ class Result:
             )
         named = dict(source="picture", params="result", table="table", output="image.exr")
         with refusals():
+            seen = None
+            if isinstance(camera, Result):
+                seen = camera._result
+            elif camera is not None:
+                seen = _midair.read_result(os.fspath(camera), None)
             made, facts = _midair.render(
                 words(**named, **options),
                 self._result,
+                seen,
                 (table or self._table)._table,
                 planes(picture, "picture"),
             )

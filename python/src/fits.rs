@@ -150,12 +150,16 @@ pub(crate) fn render<'py>(
     py: Python<'py>,
     words: Words,
     result: PyRef<'py, Result>,
+    camera: Option<PyRef<'py, Result>>,
     table: PyRef<'py, Table>,
     picture: Given<'py>,
 ) -> PyResult<Rendered<'py>> {
     let source = held(picture)?;
     let (result, table) = (&result.result, Arc::clone(&table.table));
-    let (image, facts) = run(py, None, |_| calls::render(&words, result, &table, source))?;
+    let camera = camera.as_ref().map(|own| &own.result);
+    let (image, facts) = run(py, None, |_| {
+        calls::render(&words, result, camera, &table, source)
+    })?;
     Ok((
         planes(py, [image.height, image.width], image.planes)?,
         facts,

@@ -16,9 +16,10 @@ class Pages(Case):
         # The pages name files as seen from the root of the repository.
         here = os.getcwd()
         self.addCleanup(os.chdir, here)
-        os.symlink(ROOT / "tests", self.folder / "tests")
+        for name in ("tests", "doc"):
+            os.symlink(ROOT / name, self.folder / name)
         os.chdir(self.folder)
-        for page in ("README.md", "doc/python.md"):
+        for page in ("README.md", "doc/python.md", "doc/compare.md"):
             names: dict[str, object] = {}
             found = re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(), re.M | re.S)
             self.assertTrue(found, page)

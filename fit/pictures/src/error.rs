@@ -73,6 +73,13 @@ pub enum Error {
         eq1, angular, shift and lobe; use --forward spectral"
     )]
     NoSamples,
+    /// Result without a lens, whose file was named as that of the camera.
+    #[error("{}: has no lens, or a damaged one: its numbers were given by hand, or it is of an \
+        earlier version without a reference photograph; give what `fit estimate -o` wrote", .0.display())]
+    NoLens(PathBuf),
+    /// Camera for a render by samples.
+    #[error("--camera: works only with --forward spectral; leave one of the two out")]
+    SampledCamera,
     /// Pixel, by column and row, whose blur cannot be computed.
     #[error("at pixel ({:.0}, {:.0}) of the view: {}", .0[0], .0[1], .1)]
     Pixel([f64; 2], Box<Error>),

@@ -187,12 +187,15 @@ pub fn predict(words: &[OsString], result: &ResultFile, table: &Table) -> Result
 /// Renders the mid-air image of a picture, as `fit render` does, and returns it with its facts as
 /// JSON.
 ///
+/// `camera` takes the place of the file of `--camera`.
+///
 /// # Errors
 /// Returns [`Refused`] if the words cannot be used, the picture has a value that is not finite, the
 /// table is not one of the fitted cell, or it lacks a direction.
 pub fn render(
     words: &[OsString],
     result: &ResultFile,
+    camera: Option<&ResultFile>,
     table: &Table,
     source: InMemory,
 ) -> Result<(Picture, String), Refused> {
@@ -202,7 +205,7 @@ pub fn render(
         .map_err(Failure::from)?;
     let sheet = Fitted::new(result, table).map_err(Failure::from)?;
     let pool = terminal::pool(arguments.threads).map_err(Failure::from)?;
-    let wanted = arguments.wanted(&sheet, source.width)?;
+    let wanted = arguments.wanted(&sheet, source.width, camera)?;
     let made = pool.install(|| wanted.image(&sheet, &source, SILENT));
     let (image, facts) = made.map_err(Failure::from)?;
     Ok((image, output::json(&facts)))

@@ -14,6 +14,7 @@ use crate::cli::options::parse;
 use crate::cli::options::sampled::Samples;
 use crate::cli::output;
 use crate::cli::progress::Bar;
+use crate::cli::render::remarks::{beyond_the_rim, clipped, of_camera, of_image, of_reduced};
 use edges::names::Family;
 use edges::photographs::photo;
 use edges::photographs::photo::picture::{Picture, Writing};
@@ -22,6 +23,7 @@ use estimator::estimate::Forward;
 use estimator::predict::Fitted;
 use estimator::result::ResultFile;
 use pictures::images::mid_air::{Exposure, Look, MidAir, Seconds, clipped};
+use pictures::images::render::camera::Camera;
 use pictures::images::render::view::CameraView;
 use pictures::images::{RenderStep, Scale, Viewpoint};
 
@@ -223,6 +225,18 @@ pub(crate) struct Arguments {
     /// Puts the source beside the image, on the left.
     #[arg(long, help_heading = "Picture")]
     pub beside: bool,
+    /// Camera that photographs the image: adds the blur of its pixel and of its lens.
+    ///
+    /// The result is that of `fit estimate`, which measured the lens in the reference photograph;
+    /// with --channel, of the same channel. Use it to compare an image with a photograph, unless
+    /// the source is a photograph by this camera, which has the blur already.
+    #[arg(
+        long,
+        value_name = "RESULT.json",
+        conflicts_with = "view",
+        help_heading = "Picture"
+    )]
+    pub camera: Option<PathBuf>,
     /// Meaning of integers in the source: linear or srgb.
     ///
     /// Without this option the file decides: its cICP chunk, ICC profile, sRGB chunk, gAMA chunk or
@@ -273,6 +287,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = inputs
         .chain(&arguments.table)
         .chain(&arguments.params)
+        .chain(&arguments.camera)
         .chain(&arguments.view);
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
     let ending = || pictures::Error::Ending(arguments.output.clone());
@@ -285,11 +300,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let source = pool.install(|| photo::load_colour(&arguments.source, arguments.transfer))?;
     let result = arguments.result(&table, source.width)?;
     let sheet = Fitted::new(&result, &table)?;
+    let camera = arguments.camera()?;
     let read = started.elapsed().as_secs_f64();
 
     let progress = Bar::of_steps();
     let show = |part: RenderStep| progress.part(part.what, part.done, part.of);
-    let wanted = arguments.wanted(&sheet, source.width)?;
+    let wanted = arguments.wanted(&sheet, source.width, camera.as_ref())?;
     let made = pool.install(|| wanted.image(&sheet, &source, &show));
     progress.done();
     let (image, mut facts) = made?;
@@ -334,11 +350,37 @@ impl Arguments {
         Ok(result)
     }
 
-    /// Returns what the options ask for, for a picture of so many columns.
+    /// Returns the result whose camera photographs the image.
     ///
     /// # Errors
-    /// Fails if the file of the view cannot be used.
-    pub(super) fn wanted(&self, sheet: &Fitted<'_>, columns: usize) -> Result<MidAir, Failure> {
+    /// Fails if the file cannot be used, or holds several channels of which none is named.
+    fn camera(&self) -> Result<Option<ResultFile>, Failure> {
+        let Some(file) = &self.camera else {
+            return Ok(None);
+        };
+        let only = read_channel(file, None);
+        let result = match &self.channel {
+            Some(channel) => only.or_else(|_| read_channel(file, Some(channel)))?,
+            None => only?,
+        };
+        Ok(Some(result))
+    }
+
+    /// Returns what the options ask for, for a picture of so many columns. `camera` is the result
+    /// whose camera photographs the image.
+    ///
+    /// # Errors
+    /// Fails if the file of the view cannot be used, or if the camera has no lens.
+    pub(super) fn wanted(
+        &self,
+        sheet: &Fitted<'_>,
+        columns: usize,
+        camera: Option<&ResultFile>,
+    ) -> Result<MidAir, Failure> {
+        let camera = camera.map(|own| {
+            let file = self.camera.clone().unwrap_or_default();
+            Camera::of(&own.camera).ok_or(pictures::Error::NoLens(file))
+        });
         let look = match &self.view {
             Some(view) => Look::Camera {
                 view: CameraView::load(view).map_err(pictures::Error::from)?,
@@ -361,6 +403,7 @@ impl Arguments {
         };
         Ok(MidAir {
             look,
+            camera: camera.transpose()?,
             forward: self.forward,
             sampling: self.samples.sampling(),
             ambient: self.ambient,

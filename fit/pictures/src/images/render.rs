@@ -3,6 +3,7 @@
 //! The picture is the source as it appears in the mid-air image: upright, one luminance per pixel.
 //! The area outside the picture is black.
 
+pub mod camera;
 pub mod psf;
 pub mod sampled;
 pub(crate) mod tiles;
@@ -10,6 +11,7 @@ pub(crate) mod transform;
 pub mod view;
 
 use crate::error::Error;
+use crate::images::render::camera::Camera;
 use crate::images::render::psf::Psf;
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
@@ -43,12 +45,20 @@ impl Scale {
 
 /// Computes the weights of the blur for a picture whose pixels are all seen from one direction.
 ///
-/// Where mu is not known, [`Psf::energy`] is `None`, and [`uniform`] uses 1.
+/// Where mu is not known, [`Psf::energy`] is `None`, and [`uniform`] uses 1. With a camera, a pixel
+/// of the image is the mean over the square of the camera's pixel around the same place, behind its
+/// lens.
 ///
 /// # Errors
 /// Returns an [`Error`] if the sheet has no blur at this place, or if the blur is too wide.
-pub fn uniform_psf(sheet: &dyn Sheet, place: &Viewpoint, scale: &Scale) -> Result<Psf, Error> {
-    Psf::new(sheet, place, scale.pixels_from_mm())
+pub fn uniform_psf(
+    sheet: &dyn Sheet,
+    place: &Viewpoint,
+    scale: &Scale,
+    camera: Option<&Camera>,
+) -> Result<Psf, Error> {
+    let camera = camera.map(|own| own.in_pixels(scale.pitch_mm));
+    Psf::seen(sheet, place, scale.pixels_from_mm(), camera.as_ref())
 }
 
 /// Renders a picture with one blur and one brightness for all pixels.

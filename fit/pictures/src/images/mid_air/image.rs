@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::images::mid_air::facts::TileFacts;
 use crate::images::render;
+use crate::images::render::camera::Camera;
 use crate::images::render::psf::{LARGEST, Psf};
 use crate::images::render::sampled;
 use crate::images::render::sampled::Spotted;
@@ -19,6 +20,8 @@ pub(super) struct Method<'a> {
     pub forward: Forward,
     /// Samples of the blur, for a render by samples.
     pub sampling: Sampling,
+    /// Camera whose blur an image from afar has.
+    pub camera: Option<&'a Camera>,
     /// Callback for the progress.
     pub progress: RenderProgress<'a>,
 }
@@ -74,10 +77,11 @@ pub(super) fn from_afar(
 ) -> Result<Rendered, Error> {
     Ok(match method.forward {
         Forward::Spectral => {
-            let psf = render::uniform_psf(sheet, &place, scale)?;
+            let psf = render::uniform_psf(sheet, &place, scale, method.camera)?;
             let image = render::uniform(source, &psf, method.progress);
             Rendered::by_transforms(image, vec![place], &[psf])
         }
+        Forward::Render if method.camera.is_some() => return Err(Error::SampledCamera),
         Forward::Render => {
             let (sampling, progress) = (method.sampling, method.progress);
             let found = sampled::uniform(source, sheet, &place, scale, sampling, progress)?;

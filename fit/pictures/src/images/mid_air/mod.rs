@@ -16,7 +16,8 @@ use crate::error::Error;
 use crate::images::exposure::automatic;
 use crate::images::mid_air::facts::range;
 use crate::images::mid_air::image::{Method, from_afar, from_afar_reduced, from_camera};
-use crate::images::mid_air::remarks::{beyond_the_rim, of_image, of_reduced};
+use crate::images::mid_air::remarks::{beyond_the_rim, of_camera, of_image, of_reduced};
+use crate::images::render::camera::Camera;
 use crate::images::render::view::CameraView;
 use crate::images::{RenderProgress, Scale, Viewpoint};
 
@@ -58,6 +59,8 @@ pub enum Exposure {
 pub struct MidAir {
     /// Where the image is looked at from.
     pub look: Look,
+    /// Camera whose blur an image from afar has.
+    pub camera: Option<Camera>,
     /// Transforms or samples.
     pub forward: Forward,
     /// Samples of the blur, for an image by samples.
@@ -85,6 +88,7 @@ impl MidAir {
         let method = Method {
             forward: self.forward,
             sampling: self.sampling,
+            camera: self.camera.as_ref(),
             progress,
         };
         let (rendered, reduced, pitch_mm) = match &self.look {
@@ -106,6 +110,7 @@ impl MidAir {
         let places: Vec<Viewpoint> = spots.iter().map(|spot| spot.place).collect();
         let mut warnings = of_places(sheet.result, sheet.table, &places)?;
         warnings.extend(of_image(source, &rendered, sheet));
+        warnings.extend(self.camera.as_ref().and_then(of_camera));
         let fewer = reduced.as_ref();
         warnings.extend(fewer.map(|fewer| of_reduced(source, fewer, pitch_mm)));
         let source = fewer.unwrap_or(source);

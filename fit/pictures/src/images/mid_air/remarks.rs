@@ -2,6 +2,7 @@
 
 use crate::images::mid_air::facts::range;
 use crate::images::mid_air::image::Rendered;
+use crate::images::render::camera::Camera;
 use edges::photographs::photo::picture::{Picture, Writing};
 use estimator::predict::{Fitted, between};
 
@@ -45,6 +46,13 @@ pub(super) fn of_image(source: &Picture, rendered: &Rendered, sheet: &Fitted<'_>
         ));
     }
     warnings
+}
+
+/// Returns the warning for a camera whose lens was not measured.
+pub(super) fn of_camera(camera: &Camera) -> Option<String> {
+    camera.is_assumed().then(|| {
+        "the lens of the camera is assumed, because its result has no reference photograph".into()
+    })
 }
 
 /// Returns the warning for a picture that got fewer pixels, of `pitch_mm`.

@@ -8,6 +8,9 @@
 //! `K(d) = sum over k of exp(2 pi i k.d) sum over m of sinc^2(k + m) OTF(k + m)`, with frequencies
 //! in cycles per pixel.
 //!
+//! A camera (see [`Camera`]) averages over the square of its own pixel in place of the second one, and
+//! its lens multiplies the OTF.
+//!
 //! If the point spread is nowhere negative, no weight is negative and no weight rings. Without
 //! blur, K is one pixel. The weights sum to OTF(0) = 1.
 
@@ -19,6 +22,7 @@ use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 
 use crate::error::Error;
+use crate::images::render::camera::Camera;
 use crate::images::spot::{Sheet, Viewpoint};
 use edges::numerics::sinc;
 use edges::numerics::smooth_odd;
@@ -65,7 +69,25 @@ impl Psf {
         place: &Viewpoint,
         pixels_from_mm: [[f64; 2]; 2],
     ) -> Result<Psf, Error> {
+        Psf::seen(sheet, place, pixels_from_mm, None)
+    }
+
+    /// Computes the weights at one place behind a camera, whose lengths are in pixels.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Psf::new`].
+    pub(crate) fn seen(
+        sheet: &dyn Sheet,
+        place: &Viewpoint,
+        pixels_from_mm: [[f64; 2]; 2],
+        camera: Option<&Camera>,
+    ) -> Result<Psf, Error> {
         let [[a, b], [c, d]] = pixels_from_mm;
+        // A pixel of the image averages over its square, or over that of the camera's pixel.
+        let width = camera.map_or(1.0, Camera::width);
+        let square = |f: f64| camera.map_or_else(|| sinc(PI * f), |own| own.square(f));
+        let lens = |x: f64, y: f64| camera.map_or(1.0, |own| own.lens(x, y));
+        let beyond = camera.map_or(0.0, Camera::reach);
         let mut half = 1;
         loop {
             // The highest frequency is at the corner of the square |f| <= half / 2 per pixel,
@@ -83,7 +105,8 @@ impl Psf {
                 });
             }
             // One more pixel for the width of the squares, and one for the rounding.
-            let reach = [a.hypot(b), c.hypot(d)].map(|by| (spot.reach_mm() * by) as usize + 2);
+            let reach = [a.hypot(b), c.hypot(d)];
+            let reach = reach.map(|by| (spot.reach_mm() * by + beyond) as usize + 2);
             let wide = |size: usize| Error::Wide {
                 incidence_deg: place.incidence_deg,
                 r_mm: place.r_mm,
@@ -97,15 +120,16 @@ impl Psf {
             if size.iter().any(|&size| size > LARGEST) {
                 return Err(wide(size[0].max(size[1])));
             }
-            let otf = |x: f64, y: f64| spot.otf([a * x + c * y, b * x + d * y]);
-            let error = cut_off(&otf, size, half);
+            let otf = |x: f64, y: f64| spot.otf([a * x + c * y, b * x + d * y]) * lens(x, y);
+            let squares = |f: f64| sinc(PI * f) * square(f);
+            let error = cut_off(&otf, &squares, size, half) / width;
             if error > TOLERANCE && half < WIDEST {
                 half *= 2;
                 continue;
             }
             return Ok(Psf {
                 reach: size.map(|size| size / 2),
-                weights: weights(&otf, size, half),
+                weights: weights(&otf, &squares, size, half),
                 energy,
                 error,
                 interpolated: spot.interpolated(),
@@ -118,8 +142,13 @@ impl Psf {
 ///
 /// The bound assumes that the OTF is not larger beyond this rim than on it. For each axis it is the
 /// greatest OTF on the rim, times twice the sum of 1/(pi (half/2 + m))^2 over m >= 0, with sinc^2
-/// at its greatest.
-fn cut_off(otf: &(impl Fn(f64, f64) -> Complex64 + Sync), size: [usize; 2], half: usize) -> f64 {
+/// at its greatest. The square of a camera's pixel, of a width in pixels, divides it by this width.
+fn cut_off(
+    otf: &(impl Fn(f64, f64) -> Complex64 + Sync),
+    squares: &(impl Fn(f64) -> f64 + Sync),
+    size: [usize; 2],
+    half: usize,
+) -> f64 {
     let rim = 0.5 * half as f64;
     let tail = 2.0 / (PI * PI) * (1.0 / rim + 0.5 / (rim * rim) + 1.0 / (6.0 * rim.powi(3)));
     let largest = |axis: usize| {
@@ -127,7 +156,7 @@ fn cut_off(otf: &(impl Fn(f64, f64) -> Complex64 + Sync), size: [usize; 2], half
         (-count..=count)
             .map(|i| {
                 let along = 0.5 * i as f64 / count as f64;
-                let weight = sinc(PI * along).powi(2);
+                let weight = squares(along).abs();
                 // Points a little beyond the rim too: on the rim itself the OTF may pass through 0.
                 let beside = [0.0, 0.13, 0.29, 0.41].map(|more| {
                     let [x, y] = if axis == 0 {
@@ -147,20 +176,21 @@ fn cut_off(otf: &(impl Fn(f64, f64) -> Complex64 + Sync), size: [usize; 2], half
 /// Computes the weights on a period of `size` pixels; both sizes must be odd.
 fn weights(
     otf: &(impl Fn(f64, f64) -> Complex64 + Sync),
+    squares: &(impl Fn(f64) -> f64 + Sync),
     size: [usize; 2],
     half: usize,
 ) -> Vec<f32> {
     let [width, height] = size;
     let columns = width / 2 + 1;
     let spread = half as i64 / 2 + 1;
-    // Frequencies that look alike on whole pixels, each with its sinc^2.
+    // Frequencies that look alike on whole pixels, each with the OTF of both squares.
     let alike = |k: usize, size: usize| -> Vec<(f64, f64)> {
         let k = k as f64 / size as f64;
         (-spread..=spread)
             .map(|m| k + m as f64)
             .filter(|f| f.abs() <= 0.5 * half as f64)
-            .map(|f| (f, sinc(PI * f).powi(2)))
-            .filter(|&(_, weight)| weight > 1e-12)
+            .map(|f| (f, squares(f)))
+            .filter(|&(_, weight)| weight.abs() > 1e-12)
             .collect()
     };
     let across: Vec<_> = (0..columns).map(|k| alike(k, width)).collect();
@@ -223,7 +253,8 @@ mod tests {
             let terms = (0..1_000_000).map(|m| (PI * (rim + f64::from(m))).powi(-2));
             // Beyond the last term the sum is an integral.
             let sum = terms.sum::<f64>() + 1.0 / (PI * PI * (rim + 1e6 - 0.5));
-            let found = cut_off(&|_, _| Complex64::ONE, [5, 5], half);
+            let squares = |f: f64| sinc(PI * f).powi(2);
+            let found = cut_off(&|_, _| Complex64::ONE, &squares, [5, 5], half);
             let ratio = found / (4.0 * sum);
             assert!((1.0 - 1e-9..1.02).contains(&ratio), "{half}: {ratio}");
         }
