@@ -14,7 +14,6 @@ use crate::cli::options::parse;
 use crate::cli::options::sampled::Samples;
 use crate::cli::output;
 use crate::cli::progress::Bar;
-use crate::cli::render::remarks::{beyond_the_rim, clipped, of_camera, of_image, of_reduced};
 use edges::names::Family;
 use edges::photographs::photo;
 use edges::photographs::photo::picture::{Picture, Writing};
