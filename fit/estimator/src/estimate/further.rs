@@ -12,8 +12,8 @@
 //! A blur that differs from 0 by [`HINT`] errors, and not by what the criterion asks for, is not
 //! taken. It may still have moved c by several stated errors, because c and a blur look alike: a step
 //! along the blur tells by how much. Then the errors include this step, and a warning names it. The
-//! estimate stays, so photographs without a further blur lose nothing but the errors of one campaign
-//! in twenty.
+//! estimate stays, so photographs without a further blur lose nothing but the stated errors of one
+//! campaign in some hundred.
 //!
 //! At one distance and one incidence both blurs change the photographs alike, and no photograph
 //! tells them apart. Then the own blur is taken, and a warning says so (see `verdict`).
@@ -35,7 +35,7 @@ use edges::numerics::{Solution, Stop};
 const SURE: f64 = 3.0;
 
 /// Standard errors from which on a blur that is not taken is included in the errors.
-const HINT: f64 = 2.0;
+const HINT: f64 = 3.0;
 
 /// Share of the fall that the criterion asks for, from which on the chosen candidate is fitted with
 /// a further blur. The step of Gauss and Newton misses a part of the fall.
