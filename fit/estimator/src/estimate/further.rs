@@ -506,12 +506,12 @@ pub(super) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> O
         let pitch_mm = scene.optics.camera.pitch_mm;
         let px = sign * deviation / pitch_mm;
         format!(
-            "further blur of the mid-air photographs by {px:.2} +- {:.2} px (negative: the \
+            "a further blur of the mid-air photographs by {px:.2} +- {:.2} px (negative: the \
             reference is less sharp)",
             error / pitch_mm
         )
     } else {
-        format!("angular spread of {deviation:.3} +- {error:.3} mrad")
+        format!("an angular spread of {deviation:.3} +- {error:.3} mrad")
     };
     let shift = fit.c_mm.map_or(String::new(), |_| {
         format!(" by {:+.1} %", 100.0 * change[0].exp_m1())
@@ -519,7 +519,7 @@ pub(super) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> O
     Some(Hint {
         scatter: &change * change.transpose(),
         said: format!(
-            "the photographs hint at a {what}, which noise may explain. It would change c{shift}: \
+            "the photographs hint at {what}, which may be noise. It would change c{shift}: \
             the estimate leaves it out, and the standard errors include it. More photographs, at \
             two distances, would tell"
         ),
