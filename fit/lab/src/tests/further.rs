@@ -232,6 +232,7 @@ fn rays_through_imperfect_cubes_spread_as_derived() {
 /// A disc is no Gaussian: its fourth moment is 2 sigma^4, that of a Gaussian 3 sigma^4. A tenth of
 /// the blur is allowed for it, beside four errors.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn another_lens_is_found_and_named() {
     let own = (0.9_f64.powi(2) - 0.55_f64.powi(2)).sqrt();
     let sharper = -(0.55_f64.powi(2) - 0.15_f64.powi(2)).sqrt();
@@ -271,37 +272,40 @@ fn another_lens_is_found_and_named() {
     cases.into_par_iter().for_each(run);
 }
 
-/// A lens that differs too little to be told moves c by several errors of a fit without it. Where the
-/// photographs hint at it, the stated errors include it.
+/// A lens that differs too little for the criterion moves c by several errors of a fit without it.
+/// Where it differs from 0 by three errors, the stated errors include it, and the estimate stays.
+/// Larger differences are found.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn a_hint_of_another_lens_is_in_the_errors() {
-    let cases = [Effect::Lens(0.7), Effect::Lens(0.4), Effect::Lens(0.65)];
-    let run = |effect: Effect| {
-        let Outcome { estimated, before } = fitted(effect, 3, &[150.0, 300.0], 4e4);
+    let cases = [0.7, 0.72, 0.73, 0.74, 0.8];
+    let run = |sigma_px: f64| {
+        let Outcome { estimated, before } = fitted(Effect::Lens(sigma_px), 3, &[150.0, 300.0], 4e4);
         let (now, was) = (error_of_c(&estimated.best), error_of_c(&before));
         let [now, was] = [now, was].map(|own| own.expect("there is a shift"));
         let hinted = estimated.warnings.iter().any(|own| own.contains("hint at"));
         let found = estimated.best.own_blur_px;
-        println!("{effect:?}: c {now:.2?}, before {was:.2?}, hint {hinted}, {found:?}");
-        assert!(
-            hinted || found.is_some() || was[1].abs() < 7.0,
-            "{effect:?}"
-        );
+        println!("{sigma_px} px: c {now:.2?}, before {was:.2?}, hint {hinted}, {found:?}");
+        assert!(was[1] > 4.0, "{sigma_px}: {was:?}");
+        assert!(!(hinted && found.is_some()), "{sigma_px}");
         if hinted {
             assert_eq!(now[0], was[0], "the estimate stays");
         }
         if hinted || found.is_some() {
-            assert!(now[1].abs() < 4.0, "{effect:?}: {now:?}");
+            assert!(now[1].abs() < 4.0, "{sigma_px}: {now:?}");
         }
-        hinted || found.is_some()
+        [hinted, found.is_some()]
     };
-    let noticed = cases.into_par_iter().filter(|&effect| run(effect)).count();
-    assert!(noticed >= 2, "{noticed} of {}", cases.len());
+    let outcomes: Vec<[bool; 2]> = cases.into_par_iter().map(run).collect();
+    for k in [0, 1] {
+        assert!(outcomes.iter().any(|own| own[k]), "{outcomes:?}");
+    }
 }
 
 /// Dihedral errors from cell to cell are found as an angular spread of 2 m e, the fit is good, and c
 /// holds within four stated errors.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn dihedral_errors_are_an_angular_spread() {
     let cases = [0.02, 0.05, 0.2, 0.5];
     let run = |mrad: f64| {
@@ -341,6 +345,7 @@ fn dihedral_errors_are_an_angular_spread() {
 /// sign. It is one step of Gauss and Newton for an effect of some percent, and both photographs have
 /// noise of their own size: a tenth of it and a third of a standard error are allowed.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn ideal_photographs_get_no_further_blur() {
     let seeds = 1..=4;
     let count = seeds.clone().count();

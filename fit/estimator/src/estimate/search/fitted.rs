@@ -6,7 +6,7 @@
 //! loss `mtf` also weights the differences by their noise covariance, which the estimator knows.
 //! The loss `edge` replaces the MTF by the likelihood of the pixels (see `likelihood`).
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::compare::Weights;
@@ -199,31 +199,12 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         observations,
     } = optimum;
     let p = layout.parameters();
-    let mut parameters: Vec<ParameterId> = Vec::new();
-    if layout.c().is_some() {
-        parameters.push(ParameterKind::size_of(choice.kernel).shared());
-    }
-    if layout.spreads > 0 {
-        let kind = ParameterKind::spread_of(choice.kernel);
-        parameters.extend(kind.each(&scene.groups, choice.per_angle_a));
-    }
     let kernel = layout.logarithms();
-    let logarithms = solution.parameters.iter().take(kernel);
-    let mut values: Vec<f64> = logarithms.map(|p| p.exp()).collect();
-    let mut slopes = values.clone();
-    let pitch_mm = scene.optics.camera.pitch_mm;
-    let further = [
-        (layout.own_blur(), ParameterKind::OwnBlur, pitch_mm),
-        (layout.angular_spread(), ParameterKind::AngularSpread, 1.0),
-    ];
-    for (column, kind, unit) in further {
-        if let Some(column) = column {
-            parameters.push(kind.shared());
-            let [value, slope] = deviation(solution.parameters[column], unit);
-            values.push(value);
-            slopes.push(slope);
-        }
-    }
+    let Named {
+        mut parameters,
+        mut values,
+        mut slopes,
+    } = Named::of(scene, layout, &solution.parameters);
     let mut coordinates = found.blur;
     let mut scatter = None;
     let mu = found.mu.map(|mu| {
@@ -268,6 +249,50 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         covariance,
         solution,
         sampling: None,
+    }
+}
+
+/// Parameters of the blur with their values.
+struct Named {
+    parameters: Vec<ParameterId>,
+    values: Vec<f64>,
+    /// Derivatives of the values by the solver's parameters.
+    slopes: Vec<f64>,
+}
+
+impl Named {
+    /// Takes the values from the solver's parameters.
+    fn of(scene: &Scene, layout: &Layout, at: &DVector<f64>) -> Named {
+        let choice = layout.choice;
+        let mut parameters: Vec<ParameterId> = Vec::new();
+        if layout.c().is_some() {
+            parameters.push(ParameterKind::size_of(choice.kernel).shared());
+        }
+        if layout.spreads > 0 {
+            let kind = ParameterKind::spread_of(choice.kernel);
+            parameters.extend(kind.each(&scene.groups, choice.per_angle_a));
+        }
+        let logarithms = at.iter().take(layout.logarithms());
+        let mut values: Vec<f64> = logarithms.map(|p| p.exp()).collect();
+        let mut slopes = values.clone();
+        let pitch_mm = scene.optics.camera.pitch_mm;
+        let further = [
+            (layout.own_blur(), ParameterKind::OwnBlur, pitch_mm),
+            (layout.angular_spread(), ParameterKind::AngularSpread, 1.0),
+        ];
+        for (column, kind, unit) in further {
+            if let Some(column) = column {
+                parameters.push(kind.shared());
+                let [value, slope] = deviation(at[column], unit);
+                values.push(value);
+                slopes.push(slope);
+            }
+        }
+        Named {
+            parameters,
+            values,
+            slopes,
+        }
     }
 }
 

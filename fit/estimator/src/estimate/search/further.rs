@@ -4,7 +4,8 @@
 //! They are tried after the kernel is chosen. At the optimum of a candidate, one evaluation tells by
 //! how much a step of Gauss and Newton along their columns would lower the sum of squares. Only
 //! where that is near what the criterion asks for, or beats the best candidate, the candidate is
-//! fitted with them. So photographs of an ideal sheet through one lens cost one evaluation for each
+//! fitted with them. Where no candidate describes the photographs, all are fitted with them from
+//! their starting points, to the MTFs. So photographs of an ideal sheet through one lens cost one evaluation for each
 //! candidate. A further blur is kept if the criterion falls by more than [`CLEAR`] below that of all
 //! candidates without one, and if it differs from 0 by [`SURE`] stated errors, which contain that
 //! of the lens by every loss. An angular spread has to be a spread: its variance is positive.
@@ -12,14 +13,16 @@
 //! A blur that differs from 0 by [`HINT`] errors, and not by what the criterion asks for, is not
 //! taken. It may still have moved c by several stated errors, because c and a blur look alike: a step
 //! along the blur tells by how much. Then the errors include this step, and a warning names it. The
-//! estimate stays, so photographs without a further blur lose nothing but the errors of one campaign
-//! in twenty.
+//! estimate stays, so photographs without a further blur lose nothing but the stated errors of one
+//! campaign in some hundred.
 //!
 //! At one distance and one incidence both blurs change the photographs alike, and no photograph
 //! tells them apart. Then the own blur is taken, and a warning says so (see `verdict`).
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
+use crate::estimate::search::optimum::{Optimum, refined, rough};
 use crate::estimate::scene::Scene;
 use crate::estimate::search::bound::{Bound, CONFIDENCE, rise_below};
 use crate::estimate::search::fitted::{Estimate, estimate};
@@ -35,15 +38,18 @@ use edges::numerics::{Solution, Stop};
 const SURE: f64 = 3.0;
 
 /// Standard errors from which on a blur that is not taken is included in the errors.
-const HINT: f64 = 2.0;
+const HINT: f64 = 3.0;
 
 /// Share of the fall that the criterion asks for, from which on the chosen candidate is fitted with
 /// a further blur. The step of Gauss and Newton misses a part of the fall.
 const PROMISING: f64 = 0.5;
 
-/// Chi-square per degree of freedom of the MTFs from which on a candidate is far from the
-/// photographs: its misfit is then as large as the noise.
+/// Chi-square per degree of freedom from which on a candidate is far from the photographs: its
+/// misfit is then as large as the noise.
 const FAR: f64 = 2.0;
+
+/// Share of a large misfit that a blur has to explain, as a suspect has to.
+const EXPLAINED: f64 = 0.5;
 
 /// Share of a column's square that has to be left after the other columns are projected out. Below
 /// it the photographs do not tell the blur from the other parameters.
@@ -311,11 +317,18 @@ pub(crate) fn added<'a>(
         let all = rows.iter().map(|row| criteria.of(row, misfit));
         all.fold(f64::INFINITY, f64::min)
     };
+    // A mistake in the manifest also leaves what a blur lessens a little. Of a large misfit a blur
+    // has to explain half.
+    let before = criteria.misfit(selection.compared.iter());
+    let explains = |row: &Ranked| {
+        let left = criteria.misfit(std::iter::once(row)) - 1.0;
+        before <= FAR || left <= EXPLAINED * (before - 1.0)
+    };
     let (plain, widened) = (least(&selection.compared), least(&rows));
     let mut order: Vec<usize> = (0..rows.len())
         .filter(|&i| {
             let own = criteria.of(&rows[i], misfit);
-            own < plain - CLEAR && own <= widened + CLEAR
+            explains(&rows[i]) && own < plain - CLEAR && own <= widened + CLEAR
         })
         .collect();
     // The sort is stable, so equals keep their order of preference.
@@ -353,6 +366,9 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
         (a.kernel, a.shape, a.per_angle_a) == (b.kernel, b.shape, b.per_angle_a)
     };
     let misfit = criteria.misfit(compared.iter());
+    if misfit > FAR {
+        return from_the_start(scene, loss, compared);
+    }
     let least = compared.first().map_or(f64::NAN, |row| row.criterion);
     // The chosen candidate comes first.
     let chosen = compared.iter().filter(|row| is_best(row));
@@ -396,6 +412,34 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
         }
     }
     fits
+}
+
+/// Fits candidates with further blurs where none without describes the photographs: steps from a fit
+/// that is far off lead nowhere. All candidates are fitted to the MTFs from their starting points,
+/// and the best few by the loss.
+fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked]) -> Vec<Optimum> {
+    const FEW: usize = 3;
+    let all = compared.iter().flat_map(|row| {
+        let possible = possible(scene, row.choice.kernel);
+        let open = TRIED.into_iter().filter(move |own| {
+            own.own_blur <= possible.own_blur && own.angular_spread <= possible.angular_spread
+        });
+        open.map(|further| Choice {
+            further,
+            ..row.choice
+        })
+    });
+    let choices: Vec<Choice> = all.collect();
+    let fits = choices.into_par_iter().map(|choice| rough(scene, choice));
+    let mut fits: Vec<Optimum> = fits.collect();
+    fits.retain(|fit| fit.solution.stop != Stop::Failed && fit.criterion(1.0).is_finite());
+    fits.sort_by(|a, b| a.criterion(1.0).total_cmp(&b.criterion(1.0)));
+    let best = fits.into_iter().take(FEW);
+    let fits = best.map(|fit| refined(scene, loss, fit));
+    let found = fits.filter(|fit| {
+        fit.solution.stop != Stop::Failed && fit.solution.sum_of_squares().is_finite()
+    });
+    found.collect()
 }
 
 /// Returns whether each further blur of an estimate differs from 0 by [`SURE`] standard errors, and
@@ -463,12 +507,12 @@ pub(crate) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> O
         let pitch_mm = scene.optics.camera.pitch_mm;
         let px = sign * deviation / pitch_mm;
         format!(
-            "further blur of the mid-air photographs by {px:.2} +- {:.2} px (negative: the \
+            "a further blur of the mid-air photographs by {px:.2} +- {:.2} px (negative: the \
             reference is less sharp)",
             error / pitch_mm
         )
     } else {
-        format!("angular spread of {deviation:.3} +- {error:.3} mrad")
+        format!("an angular spread of {deviation:.3} +- {error:.3} mrad")
     };
     let shift = fit.c_mm.map_or(String::new(), |_| {
         format!(" by {:+.1} %", 100.0 * change[0].exp_m1())
@@ -476,7 +520,7 @@ pub(crate) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> O
     Some(Hint {
         scatter: &change * change.transpose(),
         said: format!(
-            "the photographs hint at a {what}, which noise may explain. It would change c{shift}: \
+            "the photographs hint at {what}, which may be noise. It would change c{shift}: \
             the estimate leaves it out, and the standard errors include it. More photographs, at \
             two distances, would tell"
         ),
