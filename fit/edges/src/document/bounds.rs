@@ -92,7 +92,9 @@ pub fn table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(value: D) -> Result
 }
 
 /// Reads one table of keys, `[name]`, or several, `[[name]]`.
-pub fn tables<'de, T: Deserialize<'de>, D: Deserializer<'de>>(value: D) -> Result<Vec<T>, D::Error> {
+pub fn tables<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    value: D,
+) -> Result<Vec<T>, D::Error> {
     struct OneOrMore<T>(PhantomData<T>);
     impl<'de, T: Deserialize<'de>> Visitor<'de> for OneOrMore<T> {
         type Value = Vec<T>;

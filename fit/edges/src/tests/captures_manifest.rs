@@ -230,15 +230,23 @@ fn one_reference_or_several_are_read() {
     let mut cases = 0;
     for (references, expected) in [
         ("", vec![]),
-        ("[reference]\nimage = \"source.exr\"\n", vec![("source.exr", 1.0)]),
-        ("[[reference]]\nimage = \"one.exr\"\n", vec![("one.exr", 1.0)]),
+        (
+            "[reference]\nimage = \"source.exr\"\n",
+            vec![("source.exr", 1.0)],
+        ),
+        (
+            "[[reference]]\nimage = \"one.exr\"\n",
+            vec![("one.exr", 1.0)],
+        ),
         (several, vec![("two.exr", 1.0), ("source.exr", 3.0)]),
     ] {
         let (folder, campaign) = campaign(&format!("{setup}{references}{rest}"));
         let found = campaign.references.iter();
         let found: Vec<_> = found.map(|own| (own.image.clone(), own.exposure)).collect();
         let all = expected.into_iter();
-        let all: Vec<_> = all.map(|(name, by)| (folder.path().join(name), by)).collect();
+        let all: Vec<_> = all
+            .map(|(name, by)| (folder.path().join(name), by))
+            .collect();
         assert_eq!(found, all);
         cases += 1;
     }
@@ -258,6 +266,9 @@ fn one_reference_or_several_are_read() {
         };
         std::fs::write(&file, order).unwrap();
         let fault = captures::load(&file).unwrap_err().to_string();
-        assert!(fault.contains(&format!("captures.toml:{line}: ")), "{fault}");
+        assert!(
+            fault.contains(&format!("captures.toml:{line}: ")),
+            "{fault}"
+        );
     }
 }

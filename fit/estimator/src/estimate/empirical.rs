@@ -38,9 +38,6 @@ pub(crate) fn departing(
     camera: &Camera,
     free: &[usize],
 ) -> Option<(Camera, DMatrix<f64>)> {
-    if std::env::var("NODEP").is_ok() {
-        return None;
-    }
     let source = Source::new(pixels, camera);
     let each = (source.observations() as f64).ln();
     let trial = with_terms(camera, TRIAL);
@@ -66,13 +63,10 @@ pub(crate) fn departing(
     };
     let all = fits.iter().map(|(_, fit)| reduced(fit));
     let misfit = all.fold(reduced(&parametric), f64::min).max(1.0);
-    let criterion = |fit: &Solution, terms: usize| {
-        fit.sum_of_squares() / misfit + terms as f64 * each
-    };
+    let criterion =
+        |fit: &Solution, terms: usize| fit.sum_of_squares() / misfit + terms as f64 * each;
     let of = |fit: &Solution| criterion(fit, fit.parameters.len());
-    let (camera, solution) = fits
-        .iter()
-        .min_by(|a, b| of(&a.1).total_cmp(&of(&b.1)))?;
+    let (camera, solution) = fits.iter().min_by(|a, b| of(&a.1).total_cmp(&of(&b.1)))?;
     // Blur and exponent of the parametric lens stay as they are under the departure.
     if of(solution) + CLEAR > criterion(&parametric, 0) {
         return None;

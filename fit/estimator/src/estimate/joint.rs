@@ -300,9 +300,9 @@ impl<'a> Joint<'a> {
                 // For mu = 1, `off` is the difference between the step that follows from the
                 // reference and the photograph's own.
                 let returned = shot.returned(layout.choice.kernel);
-                let known =
-                    (returned.retroreflected * scene.half_mirror * shot.exposure / exposures[0])
-                        .ln();
+                let known = (returned.retroreflected * scene.half_mirror * shot.exposure
+                    / exposures[0])
+                    .ln();
                 let off = known + reference_step - steps[i].ln();
                 let pull = rows.tr_mul(&(step * off));
                 let of_eta = rows.tr_mul(&step) * returned.relative_error();

@@ -154,7 +154,10 @@ fn combined(sources: Vec<(View, Pixels, f64)>, as_it_is: bool) -> (Reference, Op
         let weights: Vec<f64> = weights.collect();
         let sum: f64 = weights.iter().sum();
         let all = photographs.iter().zip(&weights);
-        step = all.map(|(own, w)| w / sum * own.step.ln()).sum::<f64>().exp();
+        step = all
+            .map(|(own, w)| w / sum * own.step.ln())
+            .sum::<f64>()
+            .exp();
         step_relative_error = sum.sqrt().recip();
         let mean = slopes.iter().zip(&weights).map(|(own, w)| own * (w / sum));
         slopes = vec![mean.sum()];

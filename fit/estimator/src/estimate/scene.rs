@@ -193,7 +193,11 @@ impl Scene {
                 });
             }
             let directions = shots.iter().map(|shot| (&*shot.image, &*shot.view));
-            warnings.extend(remarks::of_directions(reference, &optics.camera, directions));
+            warnings.extend(remarks::of_directions(
+                reference,
+                &optics.camera,
+                directions,
+            ));
             let read = shots.iter().map(|shot| (&*shot.image, &shot.transfer));
             warnings.extend(remarks::of_transfers(&reference.transfer, read));
         }

@@ -17,7 +17,7 @@ pub struct Camera {
     pub lenses: Vec<Lens>,
 }
 
-/// Blur of a lens along one direction, with the OTF exp(-(f / f0)^p) + S(f). The first part is
+/// Blur of a lens along one direction, with the OTF exp(-(f / f0)^p) + D(f). The first part is
 /// Gaussian at p = 2, and near a diffraction-limited lens at p = 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lens {
@@ -27,7 +27,7 @@ pub struct Lens {
     pub blur_mm: f64,
     /// Exponent p.
     pub exponent: f64,
-    /// Departure S from the first part; `None` if that alone describes the lens.
+    /// Departure D from the first part; `None` if that alone describes the lens.
     pub departure: Option<Departure>,
 }
 

@@ -147,7 +147,10 @@ pub(crate) fn photograph(params: &Params, index: Option<usize>) -> Result<Vec<f3
         levels = sharpened(&levels, camera);
     }
     let stored = |level: f64| (level.clamp(0.0, 1.0) * steps).round() / steps;
-    Ok(levels.into_iter().map(|level| stored(level) as f32).collect())
+    Ok(levels
+        .into_iter()
+        .map(|level| stored(level) as f32)
+        .collect())
 }
 
 /// Adds a share of the difference between each pixel and the mean of the 3 x 3 pixels about it. The
@@ -158,7 +161,9 @@ fn sharpened(levels: &[f64], camera: &PlantedCamera) -> Vec<f64> {
         let (x, y) = (i % width, i / width);
         let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
         let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
-        let all = rows.iter().flat_map(|y| columns.map(|x| levels[y * width + x]));
+        let all = rows
+            .iter()
+            .flat_map(|y| columns.map(|x| levels[y * width + x]));
         all.sum::<f64>() / 9.0
     };
     let pixels = levels.iter().enumerate();

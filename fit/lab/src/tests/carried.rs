@@ -399,10 +399,7 @@ fn a_misfit_of_the_reference_widens_the_lens() {
         let (reference, optics) = measure_parametric(vec![(view.clone(), pixels, 1.0)]);
         let lens = &optics.camera.lenses[0];
         let residuals = |ln_blur: f64, exponent: f64| {
-            let lens = Lens::new(
-                lens.blur_mm * ln_blur.exp(),
-                lens.exponent + exponent,
-            );
+            let lens = Lens::new(lens.blur_mm * ln_blur.exp(), lens.exponent + exponent);
             let (modelled, _) = view.predict(&view.edge_of(&of(Some(lens))), &[]);
             let pairs = modelled.iter().zip(&view.mtf.modulus);
             view.whiten(&pairs.map(|(m, d)| m - d).collect::<Vec<f64>>())

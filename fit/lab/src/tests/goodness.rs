@@ -115,7 +115,10 @@ fn chances_are_those_of_the_photographs_sums() {
             let bins = pixels.bins.iter();
             bins.map(|bin| 1 + usize::from(bin.spread > 0.0)).sum()
         };
-        let all: usize = pixels.chain([&reference.photographs[0].pixels]).map(numbers).sum();
+        let all: usize = pixels
+            .chain([&reference.photographs[0].pixels])
+            .map(numbers)
+            .sum();
         let mtfs = scene
             .shots
             .iter()
