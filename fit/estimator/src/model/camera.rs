@@ -17,7 +17,7 @@ pub struct Camera {
     pub lenses: Vec<Lens>,
 }
 
-/// Blur of a lens along one direction, with the OTF exp(-(f / f0)^p) + S(f). The first part is
+/// Blur of a lens along one direction, with the OTF exp(-(f / f0)^p) + D(f). The first part is
 /// Gaussian at p = 2, and near a diffraction-limited lens at p = 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lens {
@@ -27,7 +27,7 @@ pub struct Lens {
     pub blur_mm: f64,
     /// Exponent p.
     pub exponent: f64,
-    /// Departure S from the first part; `None` if that alone describes the lens.
+    /// Departure D from the first part; `None` if that alone describes the lens.
     pub departure: Option<Departure>,
 }
 
@@ -45,10 +45,10 @@ impl Camera {
     /// Returns the camera as it sees edges with a normal at `normal_rad` in the photograph, which
     /// is measured from +x (right) towards +y (down).
     ///
-    /// The squared widths of an asymmetric blur are a quadratic form of the normal, A + B cos 2 al
-    /// + C sin 2 al. So are the logarithms of the OTFs of lenses that differ little from each
-    /// other. The form of the least B^2 + C^2 is taken that the lenses determine: between two
-    /// perpendicular ones the shares are cos^2 and sin^2 of the angle from the first.
+    /// The squared width of an asymmetric blur is a quadratic form of the normal al: A + B cos(2 al)
+    /// plus C sin(2 al). So is the logarithm of the OTF if the lenses differ little. Of the forms
+    /// that the lenses allow, that of the least B^2 + C^2 is taken: between two perpendicular ones
+    /// the shares are cos^2 and sin^2 of the angle from the first.
     pub fn along(&self, normal_rad: f64) -> Along<'_> {
         let (sin, cos) = normal_rad.sin_cos();
         Along {

@@ -1,7 +1,7 @@
-//! The departure of a lens from the OTF exp(-(f blur)^p): a spline S(f) that is added to it.
+//! The departure of a lens from the OTF exp(-(f blur)^p): a spline D(f) that is added to it.
 //!
-//! S is a cubic spline of v = sqrt(f / end) with equal steps from 0 to 1. In v the steps are narrow
-//! at low frequencies, where a halo of a hundredth of the light lies, and wide at high ones. S and
+//! D is a cubic spline of v = sqrt(f / end) with equal steps from 0 to 1. In v the steps are narrow
+//! at low frequencies, where a halo of a hundredth of the light lies, and wide at high ones. D and
 //! its slope by v are 0 at frequency 0: light is neither lost nor won, and the line spread falls as
 //! 1/s^2 or faster. At the end the spline, its slope and its curvature are 0, and it stays 0 beyond.
 
@@ -19,14 +19,14 @@ impl Departure {
     /// Number of steps less that of the terms: what the conditions at both ends take.
     pub const ENDS: usize = 2;
 
-    /// Evaluates S at `frequency` (1/mm).
+    /// Evaluates D at `frequency` (1/mm).
     pub fn at(&self, frequency: f64) -> f64 {
         let mut sum = 0.0;
         self.each(frequency, |term, weight| sum += weight * self.terms[term]);
         sum
     }
 
-    /// Passes each term that has a part at `frequency` (1/mm), with the derivative of S by it, to
+    /// Passes each term that has a part at `frequency` (1/mm), with the derivative of D by it, to
     /// `take`. A term may come more than once; its derivatives add up.
     pub fn each(&self, frequency: f64, mut take: impl FnMut(usize, f64)) {
         let count = self.terms.len();

@@ -287,6 +287,13 @@ impl<'a> Joint<'a> {
         }
     }
 
+    /// Returns the exposures of all photographs, the references last.
+    fn exposures(&self) -> Vec<f64> {
+        let references = self.scene.reference.iter().flat_map(|own| &own.photographs);
+        let shots = self.scene.shots.iter().map(|shot| shot.exposure);
+        shots.chain(references.map(|own| own.exposure)).collect()
+    }
+
     fn mu(
         &self,
         layout: &Layout,
@@ -301,11 +308,7 @@ impl<'a> Joint<'a> {
         let first = p + self.lens.len();
         let width = first + groups + 1;
         let reference_step = steps[scene.shots.len()].ln();
-        let exposures: Vec<f64> = scene
-            .reference
-            .iter()
-            .flat_map(|own| own.photographs.iter().map(|own| own.exposure))
-            .collect();
+        let exposures = self.exposures();
         let mut normal = DMatrix::zeros(width, width);
         let mut gradient = DVector::zeros(width);
         let mut by_eta = DMatrix::<f64>::zeros(width, scene.groups.len());
@@ -322,18 +325,20 @@ impl<'a> Joint<'a> {
             let rows = DMatrix::from_fn(factor.nrows(), columns.len(), |r, k| {
                 factor[(r, if k < blurs { k + 1 } else { 0 })]
             });
-            if let Some(shot) = shot {
-                // For mu = 1, `off` is the difference between the step that follows from the
-                // reference and the photograph's own.
-                let returned = shot.returned(layout.choice.kernel);
-                let known = (returned.retroreflected * scene.half_mirror * shot.exposure
-                    / exposures[0])
-                    .ln();
-                let off = known + reference_step - steps[i].ln();
-                let pull = rows.tr_mul(&(step * off));
+            // For mu = 1, `off` is the difference between the step that follows from the first
+            // reference and the photograph's own. Further references have exposures of their own.
+            let returned = shot.map(|shot| shot.returned(layout.choice.kernel));
+            let light = returned.as_ref().map_or(1.0, |own| own.retroreflected);
+            let light = light * shot.map_or(1.0, |_| scene.half_mirror);
+            let known = (light * exposures[i] / exposures[scene.shots.len()]).ln();
+            let off = known + reference_step - steps[i].ln();
+            let pull = rows.tr_mul(&(step * off));
+            for (k, &column) in columns.iter().enumerate() {
+                gradient[column] += pull[k];
+            }
+            if let (Some(shot), Some(returned)) = (shot, returned) {
                 let of_eta = rows.tr_mul(&step) * returned.relative_error();
                 for (k, &column) in columns.iter().enumerate() {
-                    gradient[column] += pull[k];
                     by_eta[(column, shot.group)] += of_eta[k];
                 }
                 tells.push(LightInformation {
@@ -343,14 +348,6 @@ impl<'a> Joint<'a> {
                     rows: rows.row(0).into_owned(),
                     columns: columns.clone(),
                 });
-            }
-            // Further references see the source by exposures of their own.
-            if i > scene.shots.len() {
-                let known = (exposures[i - scene.shots.len()] / exposures[0]).ln();
-                let pull = rows.tr_mul(&(step * (known + reference_step - steps[i].ln())));
-                for (k, &column) in columns.iter().enumerate() {
-                    gradient[column] += pull[k];
-                }
             }
             scatter(&mut normal, &columns, &rows.tr_mul(&rows));
         }
