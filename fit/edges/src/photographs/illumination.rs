@@ -16,32 +16,34 @@
 //! - Along the edge: an edge is the same all along, so pixels at the same distance from it differ by
 //!   the light alone.
 //! - Across the edge, light and blur are told apart by symmetry. About its middle a blurred edge is
-//!   odd, however far its tails reach. So the even part of the profile is the light's.
+//!   odd, however far its tails reach. So the even part of the profile is the light's. Where the
+//!   window is much wider than the blur, the odd part is that of the light and of tails that fall
+//!   with the distance.
 //!
-//! Both leave out the middle quarter of the profile: there a bowed edge looks like light, and the
-//! blur itself may have an even part (coma). A small error in the place, the turn or the bow of the
-//! edge is estimated with the light.
+//! Both leave out the middle of the profile: there a bowed edge looks like light, and the blur itself
+//! may have an even part (coma). A small error in the place, the turn or the bow of the edge is
+//! estimated with the light.
 //!
 //! All terms have a normal distribution before the pixels are seen. What the pixels do not tell
 //! stays within it, and reaches the standard errors, see [`Noise`].
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::numerics::chance;
 use crate::numerics::factor;
 use crate::numerics::factor::Products;
 use crate::photographs::edge::line::EdgeLine;
-use crate::photographs::profile::{BIN_PX, Noise, Profile};
+use crate::photographs::edge::shape;
+use crate::photographs::profile::{BIN_PX, Noise, Profile, smoothed};
 use crate::photographs::window::{Pixel, Window};
 
 /// Number of terms of the light, and of those up to second order.
 const LIGHT: usize = 10;
 const SECOND_ORDER: usize = 5;
 
-/// Standard deviation of the terms of first and second order before the pixels are seen, and of
-/// those of higher order. Light that falls to 0.7 by cos^4 has up to 0.05 of the latter.
-const LOW: f64 = 0.5;
-const HIGH: f64 = 0.1;
+/// Standard deviations of the terms before the pixels are seen: first, second, third and fourth
+/// order. Light that falls to 0.7 by cos^4 has up to 0.01 of third order and 0.04 of fourth.
+const BEFORE: [f64; LIGHT] = [0.5, 0.5, 0.3, 0.3, 0.3, 0.02, 0.02, 0.02, 0.02, 0.05];
 
 /// Probability of the terms up to second order in even light below which the light is uneven.
 const RARE: f64 = 1e-4;
@@ -57,15 +59,26 @@ const FOUND: f64 = 0.1;
 /// 1/1,000 of itself.
 const STRIPS: usize = 16;
 
-/// Columns of the regression: the mean of both plateaus; place, turn and bow of the edge; the light;
-/// and what is explained.
+/// Columns of the regression: the mean of both plateaus; place, turn and bow of the edge; half of the
+/// step, and tails that fall as powers of the distance; the light; and what is explained.
 const EDGE: usize = 1;
-const FIRST_LIGHT: usize = 4;
+const STEP: usize = 4;
+const TAILS: usize = 3;
+const FIRST_LIGHT: usize = STEP + 1 + TAILS;
 const OFF: usize = FIRST_LIGHT + LIGHT;
 const COLUMNS: usize = OFF + 1;
 
 /// Standard deviation of place, turn and bow before the pixels are seen, pixels.
 const ASTRAY_PX: f64 = 0.5;
+
+/// Standard deviation of each tail before the pixels are seen, at the distance of a rise, as a share
+/// of the step.
+const TAIL: f64 = 0.3;
+
+/// Rises (10 to 90 %) that the middle of the profile takes on either side, and the least reach for
+/// which tails are told from light.
+const MIDDLE: f64 = 1.5;
+const WIDE: f64 = 6.0;
 
 /// The light about an edge. It is 1 on the edge abreast of the window's centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -175,12 +188,11 @@ pub(crate) fn noise(
     let inverse = normal.cholesky()?.inverse();
     let light_rows = inverse.rows(FIRST_LIGHT, LIGHT);
     let mut by_bin = DMatrix::zeros(LIGHT, profile.len());
-    for Pair { ends, root, row } in &pairs {
-        let row = nalgebra::DVector::from_column_slice(&row[..OFF]);
+    for Pair { k, sign, root, row } in &pairs {
+        let row = DVector::from_column_slice(&row[..OFF]);
         let change = light_rows * row * (0.5 * root);
-        for &end in ends {
-            by_bin.column_mut(end).axpy(1.0, &change, 1.0);
-        }
+        by_bin.column_mut(profile.reach + k).axpy(1.0, &change, 1.0);
+        by_bin.column_mut(profile.reach - k).axpy(*sign, &change, 1.0);
     }
     let from = light.powers(on_edge(line));
     let by_light = DMatrix::from_fn(profile.len(), LIGHT, |j, i| {
@@ -256,10 +268,40 @@ fn bins(window: &Window, line: &EdgeLine, profile: &Profile, light: &Light) -> V
     cells.into_iter().map(bin).collect()
 }
 
-/// Two bins at the same distance from the edge.
+/// What the regression needs to know of a profile.
+struct Seen {
+    /// Levels of the bins without most of their noise. Columns with the noise of what they explain
+    /// would bias the light.
+    level: Vec<f64>,
+    plateaus: [f64; 2],
+    rise_px: f64,
+    reach_px: f64,
+    /// First bin beyond the middle of the profile.
+    first: usize,
+}
+
+impl Seen {
+    fn new(profile: &Profile) -> Seen {
+        let (dark, bright) = profile.plateaus();
+        let rise_px = shape::rise_px(profile).unwrap_or(0.0);
+        let most = profile.reach / 4;
+        Seen {
+            level: smoothed(&profile.mean, (profile.reach / 8).max(2)),
+            plateaus: [dark, bright],
+            rise_px,
+            reach_px: profile.reach as f64 * BIN_PX,
+            first: (((MIDDLE * rise_px + 1.0) / BIN_PX) as usize).clamp(most.min(8), most),
+        }
+    }
+}
+
+/// Half of the sum or of the difference of two bins at the same distance from the edge.
 struct Pair {
-    ends: [usize; 2],
-    /// Reciprocal of the standard deviation of their mean.
+    /// Distance, bins.
+    k: usize,
+    /// Sign of the bin on the dark side.
+    sign: f64,
+    /// Reciprocal of the standard deviation.
     root: f64,
     row: [f64; COLUMNS],
 }
@@ -276,31 +318,41 @@ struct Regression {
 
 impl Regression {
     fn new(bins: &[Bin], line: &EdgeLine, profile: &Profile, light: &Light) -> Regression {
-        let first = profile.reach / 4;
+        let seen = Seen::new(profile);
         let mut along = Products::new(COLUMNS);
         let mut freedom = 0;
         for (j, bin) in bins.iter().enumerate() {
-            if j.abs_diff(profile.reach) >= first && profile.count[j] >= 2.0 {
-                freedom += add_along(&mut along, bin, j, line, profile, light);
+            if j.abs_diff(profile.reach) >= seen.first && profile.count[j] >= 2.0 {
+                let level = seen.level[j];
+                freedom += add_along(&mut along, bin, (j, level), line, profile, light);
             }
         }
-        for (term, so_far) in light.terms.iter().enumerate() {
-            let deviation = if term < SECOND_ORDER { LOW } else { HIGH };
+        for (term, (so_far, deviation)) in light.terms.iter().zip(BEFORE).enumerate() {
             let mut row = [0.0; COLUMNS];
             row[FIRST_LIGHT + term] = 1.0 / deviation;
             row[OFF] = -so_far / deviation;
             along.add(&row);
         }
+        let step = seen.plateaus[1] - seen.plateaus[0];
         for column in EDGE..FIRST_LIGHT {
             let mut row = [0.0; COLUMNS];
-            row[column] = 1.0 / ASTRAY_PX;
+            row[column] = match column {
+                EDGE..STEP => 1.0 / ASTRAY_PX,
+                // It may be anything.
+                STEP => 1e-3 / step,
+                _ => 1.0 / TAIL,
+            };
             along.add(&row);
         }
-        let (dark, bright) = profile.plateaus();
-        let middle = 0.5 * (dark + bright);
-        let ends = (first..=profile.reach).map(|k| [profile.reach - k, profile.reach + k]);
-        let pairs: Vec<Pair> = ends
-            .filter_map(|ends| pair(ends, bins, profile, middle))
+        let parts: &[f64] = if seen.reach_px >= WIDE * seen.rise_px {
+            &[1.0, -1.0]
+        } else {
+            &[1.0]
+        };
+        let both = |k: usize| parts.iter().map(move |&sign| (k, sign));
+        let pairs: Vec<Pair> = (seen.first..=profile.reach)
+            .flat_map(both)
+            .filter_map(|(k, sign)| pair(k, sign, bins, profile, &seen))
             .collect();
         let mut across = Products::new(COLUMNS);
         pairs.iter().for_each(|pair| across.add(&pair.row));
@@ -316,14 +368,14 @@ impl Regression {
 fn add_along(
     products: &mut Products,
     bin: &Bin,
-    j: usize,
+    (j, level): (usize, f64),
     line: &EdgeLine,
     profile: &Profile,
     light: &Light,
 ) -> usize {
     let (sin, cos) = line.normal_rad.sin_cos();
     let half = light.half_px[0].hypot(light.half_px[1]);
-    let (level, slope) = (profile.mean[j], profile.slope(j, 4));
+    let slope = profile.slope(j, 4);
     let cells = || bin.cells.iter().filter(|cell| cell.n > 0.0);
     // The row of a cell before the bin's mean is taken off.
     let whole = |cell: &Cell| {
@@ -356,23 +408,34 @@ fn add_along(
     cells().count().saturating_sub(1)
 }
 
-/// Returns the row of the even part of the profile in two bins, or `None` if one is empty.
-/// `middle` is about that of the plateaus.
-fn pair(ends: [usize; 2], bins: &[Bin], profile: &Profile, middle: f64) -> Option<Pair> {
-    if ends.iter().any(|&j| profile.count[j] == 0.0) {
+/// Returns the row of the even (`sign` 1) or odd (-1) part of the profile `k` bins from the edge, or
+/// `None` if a bin is empty.
+fn pair(k: usize, sign: f64, bins: &[Bin], profile: &Profile, seen: &Seen) -> Option<Pair> {
+    let (low, high) = (profile.reach - k, profile.reach + k);
+    if profile.count[low] == 0.0 || profile.count[high] == 0.0 {
         return None;
     }
-    let mean = |of: &dyn Fn(usize) -> f64| 0.5 * (of(ends[0]) + of(ends[1]));
-    let root = (0.5 * mean(&|j| profile.variance[j])).sqrt().recip();
+    let part = |of: &dyn Fn(usize) -> f64| 0.5 * (of(high) + sign * of(low));
+    let root = 2.0 / (profile.variance[low] + profile.variance[high]).sqrt();
+    let [dark, bright] = seen.plateaus;
     let mut row = [0.0; COLUMNS];
-    row[0] = 1.0;
-    row[EDGE] = mean(&|j| profile.slope(j, 4));
-    for (i, column) in row[FIRST_LIGHT..OFF].iter_mut().enumerate() {
-        *column = mean(&|j| profile.mean[j] * bins[j].powers[i]);
+    if sign > 0.0 {
+        row[0] = 1.0;
+    } else {
+        row[STEP] = 1.0;
+        let near = seen.rise_px / (k as f64 * BIN_PX);
+        for (power, column) in (1..).zip(&mut row[STEP + 1..FIRST_LIGHT]) {
+            *column = (bright - dark) * near.powi(power);
+        }
     }
-    row[OFF] = mean(&|j| profile.mean[j]) - middle;
+    row[EDGE] = part(&|j| profile.slope(j, 4));
+    for (i, column) in row[FIRST_LIGHT..OFF].iter_mut().enumerate() {
+        *column = part(&|j| seen.level[j] * bins[j].powers[i]);
+    }
+    row[OFF] = part(&|j| profile.mean[j]) - 0.5 * (bright + sign * dark);
     Some(Pair {
-        ends,
+        k,
+        sign,
         root,
         row: row.map(|value| root * value),
     })

@@ -5,6 +5,7 @@
 mod azimuth;
 mod baselines;
 mod by_hand;
+mod cameras;
 mod campaign;
 mod carried;
 mod channels;
