@@ -22,13 +22,12 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::estimate::search::optimum::{Optimum, refined, rough};
 use crate::estimate::scene::Scene;
 use crate::estimate::search::bound::{Bound, CONFIDENCE, rise_below};
 use crate::estimate::search::fitted::{Estimate, estimate};
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
-use crate::estimate::search::optimum::{Optimum, refined};
+use crate::estimate::search::optimum::{Optimum, refined, rough};
 use crate::estimate::search::select::{CLEAR, Candidates, HOPELESS, Ranked, Selection, with_mu};
 use crate::model::Further;
 use edges::names::{Kernel, ParameterId, ParameterKind};
