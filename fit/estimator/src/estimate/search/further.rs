@@ -221,26 +221,24 @@ fn fitted(
 /// Noise and light of the pixels are found about this candidate. About one that is far from the
 /// photographs, even light would look uneven.
 pub(crate) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
-    let loss = Loss::Mtf(scene);
-    let at = &from.solution.parameters;
-    let score = (from.reduced_chi2() > FAR)
-        .then(|| Score::new(scene, &loss, from.choice, at))
-        .flatten();
-    let tried = score.iter().flat_map(|score| {
-        TRIED.into_iter().filter_map(|further| {
-            let (_, variances) = score.step(further)?;
-            let choice = Choice {
-                further,
-                ..from.choice
-            };
-            Some(fitted(scene, &loss, choice, at, &variances))
-        })
-    });
-    let all = tried.chain(std::iter::once(from.clone()));
+    if from.reduced_chi2() <= FAR {
+        return from.clone();
+    }
+    let fits = opened(scene, from.choice).map(|choice| rough(scene, choice));
+    let all = fits.chain(std::iter::once(from.clone()));
     let found = all.filter(|fit| fit.criterion(1.0).is_finite());
     found
         .min_by(|a, b| a.criterion(1.0).total_cmp(&b.criterion(1.0)))
         .unwrap_or_else(|| from.clone())
+}
+
+/// Returns a candidate with each set of further blurs that it may have.
+fn opened(scene: &Scene, choice: Choice) -> impl Iterator<Item = Choice> + use<> {
+    let possible = possible(scene, choice.kernel);
+    let open = TRIED.into_iter().filter(move |own| {
+        own.own_blur <= possible.own_blur && own.angular_spread <= possible.angular_spread
+    });
+    open.map(move |further| Choice { further, ..choice })
 }
 
 /// Sets of further blurs that are tried, in the order of preference among equals.
@@ -418,16 +416,7 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
 /// and the best few by the loss.
 fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked]) -> Vec<Optimum> {
     const FEW: usize = 3;
-    let all = compared.iter().flat_map(|row| {
-        let possible = possible(scene, row.choice.kernel);
-        let open = TRIED.into_iter().filter(move |own| {
-            own.own_blur <= possible.own_blur && own.angular_spread <= possible.angular_spread
-        });
-        open.map(|further| Choice {
-            further,
-            ..row.choice
-        })
-    });
+    let all = compared.iter().flat_map(|row| opened(scene, row.choice));
     let choices: Vec<Choice> = all.collect();
     let fits = choices.into_par_iter().map(|choice| rough(scene, choice));
     let mut fits: Vec<Optimum> = fits.collect();
