@@ -93,7 +93,10 @@ impl Curve {
         let estimator = Estimator::new(profile, pitch, 4 * count, count);
         let mtf = estimator.measure(profile);
         let response = estimator.response(profile);
-        let with_light = profile.light.is_some().then(|| profile.response(response.clone()));
+        let with_light = profile
+            .light
+            .is_some()
+            .then(|| profile.response(response.clone()));
         let mut by_noise = response;
         for (mut column, variance) in by_noise.column_iter_mut().zip(&profile.variance) {
             column *= variance.sqrt();
@@ -222,7 +225,11 @@ impl Curve {
 
     /// Returns the standard error of a weighted sum of moduli.
     fn error_of(&self, weights: &[(usize, f64)]) -> f64 {
-        let columns = self.with_light.as_ref().unwrap_or(&self.by_noise).column_iter();
+        let columns = self
+            .with_light
+            .as_ref()
+            .unwrap_or(&self.by_noise)
+            .column_iter();
         let changes = columns.map(|column| weights.iter().map(|(k, w)| w * column[*k]).sum());
         changes
             .map(|change: f64| change * change)

@@ -192,7 +192,9 @@ pub(crate) fn noise(
         let row = DVector::from_column_slice(&row[..OFF]);
         let change = light_rows * row * (0.5 * root);
         by_bin.column_mut(profile.reach + k).axpy(1.0, &change, 1.0);
-        by_bin.column_mut(profile.reach - k).axpy(*sign, &change, 1.0);
+        by_bin
+            .column_mut(profile.reach - k)
+            .axpy(*sign, &change, 1.0);
     }
     let from = light.powers(on_edge(line));
     let by_light = DMatrix::from_fn(profile.len(), LIGHT, |j, i| {

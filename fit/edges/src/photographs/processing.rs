@@ -93,9 +93,9 @@ pub(crate) fn excess_on_edge(
     }
     let [low, high] = beside.map(|[n, squares]| squares / n);
     let filled = on.iter().filter(|strip| strip[0] > 0.0);
-    let all = filled.clone().fold([0.0; 3], |sum, strip| {
-        [0, 1, 2].map(|k| sum[k] + strip[k])
-    });
+    let all = filled
+        .clone()
+        .fold([0.0; 3], |sum, strip| [0, 1, 2].map(|k| sum[k] + strip[k]));
     let noise = all[2] / all[0];
     if !(low.is_finite() && high.is_finite()) || noise.sqrt() < NO_NOISE * (bright - dark) {
         return None;

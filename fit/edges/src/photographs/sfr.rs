@@ -206,7 +206,8 @@ pub fn standard_error(response: &DMatrix<f64>, profile: &Profile) -> Vec<f64> {
         return all.row_iter().map(|row| row.norm()).collect();
     }
     let rows = response.row_iter();
-    rows.map(|row| profile.variance_of(row.iter()).sqrt()).collect()
+    rows.map(|row| profile.variance_of(row.iter()).sqrt())
+        .collect()
 }
 
 /// Returns the weights of the bins in the tapered differences of neighbours.

@@ -72,7 +72,9 @@ impl Lit {
                 shape: UNEVEN[stream.between(0.0, 4.0) as usize],
                 brightest: [(); 2].map(|()| stream.between(-1.5, 1.5)),
                 fall: stream.between(0.0, 0.3),
-                noise: stream.between(300.0_f64.recip().ln(), 30.0_f64.recip().ln()).exp(),
+                noise: stream
+                    .between(300.0_f64.recip().ln(), 30.0_f64.recip().ln())
+                    .exp(),
             };
             let quarter = stream.between(0.0, 4.0).floor();
             let sign = stream.between(-1.0, 1.0).signum();
@@ -83,7 +85,11 @@ impl Lit {
             let [width, height] = lit.size_px;
             let is_steep = (quarter as usize).is_multiple_of(2);
             return Lit {
-                size_px: if is_steep { [width, height] } else { [height, width] },
+                size_px: if is_steep {
+                    [width, height]
+                } else {
+                    [height, width]
+                },
                 normal_deg: 90.0 * quarter + sign * lit.normal_deg,
                 ..lit
             };
@@ -214,7 +220,11 @@ struct Errors {
 }
 
 fn errors(draws: std::ops::Range<u64>, change: impl Fn(Lit) -> Lit) -> Errors {
-    let mut all = Errors { found: Vec::new(), corrected: 0, refused: 0 };
+    let mut all = Errors {
+        found: Vec::new(),
+        corrected: 0,
+        refused: 0,
+    };
     for seed in draws {
         let mut stream = Stream(0x11e4 << 20 | seed);
         let lit = change(Lit::drawn(&mut stream));
@@ -229,9 +239,21 @@ fn errors(draws: std::ops::Range<u64>, change: impl Fn(Lit) -> Lit) -> Errors {
                 if std::env::var("ALL").is_ok() || z.abs() > 2.5 {
                     println!(
                         "{:?} {:?} deg {:.1} blur {:.2} fall {:.3} {:.2?} bow {:.2} noise {:.4} corrected {is_corrected}: error {:+.2} % stated {:.2} % z {z:+.2}{}",
-                        lit.shape, lit.size_px, lit.normal_deg, lit.blur_px, lit.fall,
-                        lit.brightest, lit.bow_px, lit.noise, 100.0 * error, 100.0 * stated,
-                        if error.abs() > 0.01 && z.abs() > 2.5 { " FAR" } else { "" }
+                        lit.shape,
+                        lit.size_px,
+                        lit.normal_deg,
+                        lit.blur_px,
+                        lit.fall,
+                        lit.brightest,
+                        lit.bow_px,
+                        lit.noise,
+                        100.0 * error,
+                        100.0 * stated,
+                        if error.abs() > 0.01 && z.abs() > 2.5 {
+                            " FAR"
+                        } else {
+                            ""
+                        }
                     );
                 }
             }
@@ -246,10 +268,18 @@ fn errors(draws: std::ops::Range<u64>, change: impl Fn(Lit) -> Lit) -> Errors {
     let beyond = |limit: f64| pulls().filter(|pull| pull.abs() > limit).count();
     let mean = pulls().sum::<f64>() / n;
     let square = pulls().map(|pull| pull * pull).sum::<f64>() / n;
-    let far = all.found.iter().filter(|[e, s]| e.abs() > 0.01 && e.abs() > 2.5 * s).count();
+    let far = all
+        .found
+        .iter()
+        .filter(|[e, s]| e.abs() > 0.01 && e.abs() > 2.5 * s)
+        .count();
     println!(
         "{n} found, {} refused, {} corrected; mean pull {mean:+.3}, mean square {square:.3}, {} beyond 1.96, {} beyond 2.5, {} beyond 3.5; {far} beyond 1 % and 2.5 errors",
-        all.refused, all.corrected, beyond(1.96), beyond(2.5), beyond(3.5)
+        all.refused,
+        all.corrected,
+        beyond(1.96),
+        beyond(2.5),
+        beyond(3.5)
     );
     all
 }
@@ -257,11 +287,35 @@ fn errors(draws: std::ops::Range<u64>, change: impl Fn(Lit) -> Lit) -> Errors {
 #[test]
 #[ignore = "minutes: `make test-full` runs it"]
 fn statistics_of_even_light() {
-    errors(0..500, |lit| Lit { shape: Shape::Even, ..lit });
+    errors(0..500, |lit| Lit {
+        shape: Shape::Even,
+        ..lit
+    });
 }
 
 #[test]
 #[ignore = "minutes: `make test-full` runs it"]
 fn statistics_of_uneven_light() {
     errors(0..300, |lit| lit);
+}
+
+// TEMPORARY
+#[test]
+#[ignore = "by hand"]
+fn try_files() {
+    use crate::photographs::photo::{self, channel::Decode};
+    let list = std::env::var("FILES").unwrap();
+    for file in list.split(':') {
+        let photo = photo::load(std::path::Path::new(file), &Decode::default()).unwrap();
+        match measure::edge(&photo, None, &[]) {
+            Ok(edge) => {
+                let half = Curve::new(&edge.profile, 1.0, 512).falls_to(0.5);
+                println!(
+                    "{file}: {half:?} uneven {:.4} reduced {:?} {:?}",
+                    edge.unevenness, edge.reduced_noise, edge.warnings
+                );
+            }
+            Err(fault) => println!("{file}: {fault}"),
+        }
+    }
 }

@@ -198,7 +198,11 @@ pub fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
                 reduced_chi2: remainders[worst].reduced(),
             }
         }),
-        reduced: scene.shots.iter().filter(|shot| shot.reduced_noise.is_some()).count(),
+        reduced: scene
+            .shots
+            .iter()
+            .filter(|shot| shot.reduced_noise.is_some())
+            .count(),
         worst_first,
     };
     let misfit = || {

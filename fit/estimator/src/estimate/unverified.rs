@@ -257,7 +257,10 @@ impl Doubts<'_> {
                 exposure,
                 Some(self.of_mu(STEP)),
             ));
-            let ratios = scene.shots.iter().map(|shot| shot.exposure / reference.exposure);
+            let ratios = scene
+                .shots
+                .iter()
+                .map(|shot| shot.exposure / reference.exposure);
             let value = equal(ratios.map(Some));
             // A stated exposure that is too large by rounding is truly smaller.
             let rounded = scene.shots.iter().filter_map(|shot| shot.rounding);

@@ -456,7 +456,9 @@ impl ResultFile {
     /// Returns the number of photographs whose exposure comes from Exif data.
     pub fn exposures_from_exif(&self) -> usize {
         let captures = self.captures.iter();
-        captures.filter(|own| own.exposure_from == FROM_EXIF).count()
+        captures
+            .filter(|own| own.exposure_from == FROM_EXIF)
+            .count()
     }
 
     /// Returns the spread: a, a R or the roughness, whichever the kernel has.

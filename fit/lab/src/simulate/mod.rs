@@ -8,7 +8,7 @@
 
 pub(crate) mod cell;
 pub mod error;
-mod jpeg;
+pub(crate) mod jpeg;
 mod lobe_edge;
 mod noise;
 mod params;

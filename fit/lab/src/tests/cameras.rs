@@ -132,7 +132,9 @@ impl After {
         let luminance = |channels: [Picture; 3]| {
             seen.map(|x, y| {
                 let parts = channels.iter().zip([0.2126, 0.7152, 0.0722]);
-                parts.map(|(channel, weight)| weight * channel.at(x, y)).sum()
+                parts
+                    .map(|(channel, weight)| weight * channel.at(x, y))
+                    .sum()
             })
         };
         match self {
@@ -162,18 +164,36 @@ struct Found {
 fn found(seed: u64, full_well_e: f64, after: After) -> Found {
     let mut stream = Stream(0xca3e << 20 | seed);
     let (a, c) = (stream.between(2.0, 6.0), stream.between(0.25, 0.5));
-    let planted = truth(Kernel::Eq1, LobeShape::Radial, a, c, stream.between(0.3, 0.8));
+    let planted = truth(
+        Kernel::Eq1,
+        LobeShape::Radial,
+        a,
+        c,
+        stream.between(0.3, 0.8),
+    );
     let incidence = [5.0, 30.0];
     let table = table(&planted, &incidence, 20.0);
-    let mut params = params(seed, planted, &incidence, &[150.0, 250.0], camera(full_well_e));
+    let mut params = params(
+        seed,
+        planted,
+        &incidence,
+        &[150.0, 250.0],
+        camera(full_well_e),
+    );
     // Ordinary exposure: the mid-air edge is about half as bright as the reference.
     for shot in &mut params.captures {
-        shot.edge = PlantedEdge { exposure: 6.0, ..shot.edge };
+        shot.edge = PlantedEdge {
+            exposure: 6.0,
+            ..shot.edge
+        };
     }
     let taken = |params: &Params, index: Option<usize>| -> Result<Vec<f32>, Error> {
         let seen = Picture {
             size: [params.camera.width, params.camera.height],
-            values: photograph(params, index)?.into_iter().map(f64::from).collect(),
+            values: photograph(params, index)?
+                .into_iter()
+                .map(f64::from)
+                .collect(),
         };
         let light = after.of(&seen).values.into_iter();
         Ok(light.map(|v| v as f32).collect())
@@ -184,13 +204,23 @@ fn found(seed: u64, full_well_e: f64, after: After) -> Found {
     let loss = Loss::new(Kind::Edge, &scene, (SHARED, &fit.solution.parameters));
     let own = fit.c_mm.expect("the kernel has c");
     let said = |word: &str| {
-        let shots = scene.shots.iter().map(|shot| &shot.warnings).chain([&scene.warnings]);
-        shots.filter(|all| all.iter().any(|said| said.contains(word))).count()
+        let shots = scene
+            .shots
+            .iter()
+            .map(|shot| &shot.warnings)
+            .chain([&scene.warnings]);
+        shots
+            .filter(|all| all.iter().any(|said| said.contains(word)))
+            .count()
     };
     Found {
         verdict: goodness(&scene, &loss, &fit).verdict,
         pull: (own.value - c) / own.standard_error,
-        reduced: scene.shots.iter().filter(|shot| shot.reduced_noise.is_some()).count(),
+        reduced: scene
+            .shots
+            .iter()
+            .filter(|shot| shot.reduced_noise.is_some())
+            .count(),
         sharpened: said("sharpened"),
     }
 }
@@ -202,8 +232,14 @@ fn drawn(draws: u64, full_well_e: f64, after: After) -> [usize; 2] {
         .into_par_iter()
         .map(|seed| found(seed, full_well_e, after))
         .collect();
-    let poor = all.iter().filter(|own| own.verdict == Verdict::Poor).count();
-    let good = all.iter().filter(|own| own.verdict == Verdict::Good).count();
+    let poor = all
+        .iter()
+        .filter(|own| own.verdict == Verdict::Poor)
+        .count();
+    let good = all
+        .iter()
+        .filter(|own| own.verdict == Verdict::Good)
+        .count();
     let reduced = all.iter().map(|own| own.reduced).sum::<usize>();
     let sharpened = all.iter().map(|own| own.sharpened).sum::<usize>();
     let square = all.iter().map(|own| own.pull.powi(2)).sum::<f64>() / draws as f64;
@@ -238,7 +274,11 @@ fn statistics_of_cameras() {
             After::Bilateral(2.0, 0.1),
             After::Bilateral(3.0, 0.05),
         ] {
-            assert_eq!(drawn(DRAWS, full_well_e, after)[0] as u64, DRAWS, "{after:?}");
+            assert_eq!(
+                drawn(DRAWS, full_well_e, after)[0] as u64,
+                DRAWS,
+                "{after:?}"
+            );
         }
         for after in [After::Jpeg(98), After::Jpeg(90), After::Ordinary] {
             drawn(DRAWS, full_well_e, after);
