@@ -20,7 +20,7 @@ pub enum Step {
         /// Number of all azimuths.
         of: usize,
     },
-    /// Candidates fitted. Each is fitted twice: roughly, then to the end.
+    /// Candidates fitted, by several threads. Each is fitted twice: roughly, then to the end.
     Candidates {
         /// Number of fits done.
         done: usize,
