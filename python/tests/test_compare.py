@@ -191,6 +191,14 @@ class Compare(Case):
         self.assertGreater(psnr[0][0], psnr[0][1] + 10)
         self.assertAlmostEqual(psnr[1][0], psnr[1][1], delta=1e-4)
         self.assertAlmostEqual(psnr[0][0], psnr[1][0], delta=0.05)
+        # A photograph of the edge stands for the step between its sides.
+        source = CAMPAIGN.parent / "source.exr"
+        white = midair.measure(source).contrast
+        one, other = (
+            midair.compare(shots, reference=own, network=self.network) for own in (source, white)
+        )
+        self.assertEqual(one.scores, other.scores)
+        self.assertTrue(0.1 < white < 1, white)
         with self.assertRaisesRegex(midair.Error, "A, 150 mm, board"):
             midair.compare([midair.Shot("A", 150, "board", taken, renders)], reference=0.1)
 
