@@ -87,13 +87,7 @@ fn tables_of_the_lens_along_two_axes_meet_an_elliptic_gaussian() {
                 .map(|f| (-(f * own).powi(2)).exp())
                 .collect();
             json!({
-<<<<<<< ours
-                "edge_angle_deg": ([0.0, 90.0][axis]), "terms": 3, "frequency_per_px": frequency,
-||||||| base
-                "edge_angle_deg": [0.0, 90.0][axis], "terms": 3, "frequency_per_px": frequency,
-=======
                 "edge_angle_deg": 90.0 * axis as f64, "terms": 3, "frequency_per_px": frequency,
->>>>>>> theirs
                 "otf": otf
             })
         })
