@@ -75,6 +75,10 @@ const ASTRAY_PX: f64 = 0.5;
 /// of the step.
 const TAIL: f64 = 0.3;
 
+/// Error of the tails as powers of the distance, as a share of the step. Photographs almost without
+/// noise would otherwise show it as light.
+const TAIL_ERROR: f64 = 1e-3;
+
 /// Rises (10 to 90 %) that the middle of the profile takes on either side, and the least reach for
 /// which tails are told from light.
 const MIDDLE: f64 = 1.5;
@@ -418,8 +422,13 @@ fn pair(k: usize, sign: f64, bins: &[Bin], profile: &Profile, seen: &Seen) -> Op
         return None;
     }
     let part = |of: &dyn Fn(usize) -> f64| 0.5 * (of(high) + sign * of(low));
-    let root = 2.0 / (profile.variance[low] + profile.variance[high]).sqrt();
     let [dark, bright] = seen.plateaus;
+    let astray = if sign > 0.0 {
+        0.0
+    } else {
+        (2.0 * TAIL_ERROR * (bright - dark)).powi(2)
+    };
+    let root = 2.0 / (profile.variance[low] + profile.variance[high] + astray).sqrt();
     let mut row = [0.0; COLUMNS];
     if sign > 0.0 {
         row[0] = 1.0;

@@ -22,7 +22,7 @@ use crate::estimate::trust::goodness::{Goodness, Verdict};
 use crate::estimate::trust::suspects::{Diagnosis, OtherTable, Search, Suspect};
 use crate::estimate::trust::unverified::{Doubted, Unverified};
 use crate::estimate::trust::{goodness, mirror, verdict};
-use crate::model::wave;
+use crate::model::{Further, wave};
 use crate::samples::Sampling;
 use edges::names::{Kernel, Spectrum};
 use edges::numerics::Stop;
@@ -363,10 +363,17 @@ fn fitted(
     let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
     let mut selection = select(scene, telling, candidates, progress)?;
     // The published loop has no further blurs.
+    let plain = (selection.best.clone(), selection.compared.clone());
     if options.samples.is_none() {
         selection = further::added(scene, candidates, selection);
     }
-    let telling = goodness::of(scene, &selection.loss, &selection.best);
+    let mut telling = goodness::of(scene, &selection.loss, &selection.best);
+    // A blur that leaves a poor fit explains nothing. It would only hide the mistake that is
+    // searched for.
+    if telling.verdict == Verdict::Poor && selection.best.choice.further != Further::NONE {
+        (selection.best, selection.compared) = plain;
+        telling = goodness::of(scene, &selection.loss, &selection.best);
+    }
     let unit = telling.scale.powi(2);
     let mut found = Bounds::new();
     if telling.scale <= UNBOUNDED {

@@ -360,10 +360,11 @@ impl Search<'_> {
             return;
         };
         let image = shots[i].image.clone();
+        let own = self.goodness.degrees_of_freedom as f64 / shots.len() as f64;
         all.push(Alternative {
-            // A photograph explains its own misfit whatever its cause. So a suspect that says why
-            // comes first.
-            cost: SURE,
+            // A photograph explains its own misfit whatever its cause, and chance moves its sum of
+            // squares by this deviation. So a suspect that says why comes first.
+            cost: SURE + (2.0 * own).sqrt(),
             ..self.alternative(
                 format!("{image} alone does not agree with the others"),
                 vec![image],
