@@ -410,24 +410,11 @@ fn of_document(
     let mut warnings = Vec::new();
     let setup = setup(&shared, file, &mut warnings);
     let shot = |table| shot(table, &shared, document, is_there);
-    let mut references: Vec<Shot> = Vec::new();
     let mut source = None;
-    for table in reference {
-        let given = table.exposure;
-        let mut reference = shot(table)?;
-        if let (None, Some(first)) = (given, references.first()) {
-            let place = reference.place.clone();
-            let shot = &mut reference;
-            warnings.push(expose_by_camera(
-                &place,
-                "[[reference]]",
-                first,
-                &mut source,
-                shot,
-            )?);
-        }
-        references.push(reference);
-    }
+    let all = reference
+        .into_iter()
+        .map(|table| (table.exposure, shot(table)));
+    let references = exposed(all, &mut source, &mut warnings)?;
     if references.is_empty() {
         warnings.push(format!(
             "{} has no [reference]: the blur of the lens is assumed, and mu cannot be found; \
@@ -544,6 +531,26 @@ fn doubt(captures: &[Capture], warnings: &mut Vec<String>) {
             ));
         }
     }
+}
+
+/// Returns the references of a manifest with their exposures. Each comes with the exposure that the manifest states for
+/// it. Exposures that are not stated follow from the camera's settings, relative to the first.
+fn exposed(
+    all: impl Iterator<Item = (Option<f64>, Result<Shot, document::Error>)>,
+    source: &mut Option<Settings>,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Shot>, Error> {
+    let mut references: Vec<Shot> = Vec::new();
+    for (given, shot) in all {
+        let mut shot = shot?;
+        if let (None, Some(first)) = (given, references.first()) {
+            let place = shot.place.clone();
+            let warning = expose_by_camera(&place, "[[reference]]", first, source, &mut shot)?;
+            warnings.push(warning);
+        }
+        references.push(shot);
+    }
+    Ok(references)
 }
 
 /// Sets the exposure of a photograph of `table` relative to the first reference, by the settings of

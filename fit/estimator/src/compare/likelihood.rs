@@ -562,16 +562,12 @@ impl<'a> Photograph<'a> {
                     by.slope(unit) + lamp * bump[1],
                 ];
                 let of_dark = [by.value, by.by_t];
-                push(
-                    [0, 1].map(|k| at.step * of_edge[k] + at.lit * of_dark[k]),
-                    1.0,
-                );
+                let both = |k: usize| at.step * of_edge[k] + at.lit * of_dark[k];
+                push([0, 1].map(both), 1.0);
             }
             for [height, slope] in tangents {
-                push(
-                    [0, 1].map(|k| height * by_place[k] - slope * by_turn[k]),
-                    at.step,
-                );
+                let both = |k: usize| height * by_place[k] - slope * by_turn[k];
+                push([0, 1].map(both), at.step);
             }
             if many {
                 push(unlit, 1.0);

@@ -161,12 +161,11 @@ pub(crate) fn exposed(params: &Params, index: Option<usize>, light: Vec<f64>) ->
         let electrons =
             noise.poisson(level * camera.full_well_e) + camera.read_noise_e * noise.normal();
         let is_hot = camera.hot_share > 0.0 && noise.uniform() < camera.hot_share;
-        let level = if is_hot {
+        if is_hot {
             1.0
         } else {
             electrons / camera.full_well_e
-        };
-        level
+        }
     };
     let pixels = light.into_iter().enumerate();
     let mut levels: Vec<f64> = pixels.map(expose).collect();

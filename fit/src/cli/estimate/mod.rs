@@ -461,7 +461,7 @@ impl Job<'_> {
         photo: &Source,
         options: &Options,
         start: Instant,
-        (progress, early): (&Progress, &dyn Fn(&ResultFile) -> Result<(), Failure>),
+        (progress, early): (&Progress, &Early<'_>),
     ) -> Result<(Estimated, ResultFile), Failure> {
         let table = self.table;
         let estimated = undiagnosed(self.campaign, photo, table, options, progress);
@@ -502,6 +502,9 @@ impl Job<'_> {
         channels.iter().map(one).collect()
     }
 }
+
+/// Function that gets a result before its mistakes are searched for.
+type Early<'a> = dyn Fn(&ResultFile) -> Result<(), Failure> + 'a;
 
 /// Prints the warnings of a result, each with `before` in front of it.
 fn warn(result: &ResultFile, before: &str) {

@@ -291,7 +291,7 @@ impl Search<'_> {
         let fitted = all.len();
         if !self.is_over(tally) {
             self.decoded_otherwise(&mut all);
-            self.from_elsewhere(&mut all);
+            self.other_origin(&mut all);
             self.alone(&mut all);
         }
         tally.of.fetch_add(all.len() - fitted, Ordering::Relaxed);

@@ -176,14 +176,7 @@ fn misfit(
     };
     let (of_blur, of_mu) = (goodness.scale, goodness.scale_of_mu);
     if goodness.reduced > 0 {
-        return Some(format!(
-            "the fit is {verdict}: the camera changed the edges of {} photographs (their noise is \
-            reduced beside the edge, see their warnings), which can move c, a and mu by several \
-            percent at no misfit. The standard errors of the blur are multiplied by {of_blur:.2}, \
-            those of mu by {of_mu:.2}, by the noise on the edge. Photograph with noise reduction, \
-            sharpening and lens corrections off, and save raw or 16 bits",
-            goodness.reduced
-        ));
+        return Some(reduced_noise(goodness));
     }
     match goodness.verdict {
         Verdict::Good if !said.is_empty() => Some(format!(
@@ -247,6 +240,21 @@ fn misfit(
             ))
         }
     }
+}
+
+/// Returns the warning about a camera that reduced the noise beside the edges.
+fn reduced_noise(goodness: &Goodness) -> String {
+    format!(
+        "the fit is {}: the camera changed the edges of {} photographs (their noise is reduced \
+        beside the edge, see their warnings), which can move c, a and mu by several percent at no \
+        misfit. The standard errors of the blur are multiplied by {:.2}, those of mu by {:.2}, by \
+        the noise on the edge. Photograph with noise reduction, sharpening and lens corrections \
+        off, and save raw or 16 bits",
+        goodness.verdict.name(),
+        goodness.reduced,
+        goodness.scale,
+        goodness.scale_of_mu
+    )
 }
 
 /// Returns a sentence about a search that did not come to its end, with the space behind it.

@@ -22,7 +22,7 @@ impl Search<'_> {
     ///
     /// The offset is one more parameter of a fit to the MTFs. A blur that falls with the distance
     /// by another law than the best kernel may be that of kernel angular at other distances.
-    pub(super) fn from_elsewhere(&self, all: &mut Vec<Alternative>) {
+    pub(super) fn other_origin(&self, all: &mut Vec<Alternative>) {
         let own = self.fit.choice;
         let was_tried = |kernel| self.tried.iter().any(|row| row.choice.kernel == kernel);
         let kernel = match own.kernel {
