@@ -413,14 +413,20 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
 
 /// Fits candidates with further blurs where none without describes the photographs: steps from a fit
 /// that is far off lead nowhere. All candidates are fitted to the MTFs from their starting points,
-/// and the best few by the loss.
+/// and by the loss the best few of those that explain enough of the misfit there.
 fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked]) -> Vec<Optimum> {
     const FEW: usize = 3;
+    let plain = compared.par_iter().map(|row| rough(scene, row.choice));
+    let plain = plain.map(|fit| fit.reduced_chi2());
+    let plain = plain.reduce(|| f64::INFINITY, f64::min);
     let all = compared.iter().flat_map(|row| opened(scene, row.choice));
     let choices: Vec<Choice> = all.collect();
     let fits = choices.into_par_iter().map(|choice| rough(scene, choice));
     let mut fits: Vec<Optimum> = fits.collect();
-    fits.retain(|fit| fit.solution.stop != Stop::Failed && fit.criterion(1.0).is_finite());
+    fits.retain(|fit| {
+        let left = fit.reduced_chi2() - 1.0;
+        fit.solution.stop != Stop::Failed && left <= EXPLAINED * (plain - 1.0)
+    });
     fits.sort_by(|a, b| a.criterion(1.0).total_cmp(&b.criterion(1.0)));
     let best = fits.into_iter().take(FEW);
     let fits = best.map(|fit| refined(scene, loss, fit));
