@@ -216,6 +216,7 @@ fn is_whole(tree: &Document, result: &Value) {
         "floating distances",
         "half mirror (",
         "exposure of",
+        "exposures over",
         "refractive index",
         "incidence angles",
         "azimuths",
