@@ -4,22 +4,14 @@
 //! bounds and warnings leaves. [`campaign`] does all of it. Photographs are measured once, into a
 //! scene that nothing rewrites. This module writes no file and prints nothing.
 //!
-//! The files, from the lowest to the highest:
-//!
-//! - [`layout`]: the parameters of a candidate, and their order in a vector.
-//! - [`direction`], [`scene`], `perturbed`: photographs with their directions. `compared`: their
-//!   models.
-//! - `optics`, `reference`, `empirical`: the lens, by photographs of the source edge.
-//! - `joint`, [`loss`]: the function that is minimised. [`start`], [`optimum`]: its minimum.
-//! - `covariance`, [`fitted`]: the results that follow from the minimum.
-//! - [`select`](mod@select): the choice of the terms. `further`: that of further blurs.
-//! - [`bound`], `azimuth`, [`forward`]: bounds, the azimuth, and the estimate by samples.
-//! - [`mod@goodness`], `suspects`: how well the fit describes the photographs, and why it does not.
-//! - `unverified`: effects of what no photograph can check.
-//! - `mirror`, `verdict`: warnings. [`progress`]: progress and cancellation.
+//! - [`scene`]: photographs with their directions of the table, the lens by photographs of the source
+//!   edge, and the scene under other conditions.
+//! - [`search`]: candidates and their parameters, the function that is minimised and its minimum,
+//!   the choice of the terms, covariances and bounds.
+//! - [`trust`]: misfit and verdict, suspects, and effects of what no photograph can check.
+//! - [`progress`]: progress and cancellation.
 
 pub mod campaign;
-
 pub mod progress;
 mod remarks;
 pub mod scene;

@@ -1,7 +1,7 @@
 //! Camera that photographs a mid-air image: the square of its pixel and its lens blur the image
 //! further.
 //!
-//! Lengths are mm, or pixels of the picture after [`Camera::in_pixels`].
+//! Lengths are mm, or pixels of the picture after `Camera::in_pixels`.
 
 use std::f64::consts::{PI, TAU};
 
