@@ -139,6 +139,7 @@ fn waves_without_a_wavelength_are_named() {
 /// Distances from another plane than the sheet are off by one length. It is found to a few of its
 /// standard errors, which the planted photographs make about a millimetre.
 #[test]
+#[ignore = "a minute: `make test-full` runs it"]
 fn an_offset_of_all_distances_is_named() {
     let (shots, table) = planted(Kernel::Angular, 700.0);
     for offset_mm in [-60.0, 80.0] {
@@ -194,6 +195,7 @@ fn defocused(pixels: &[f64], [width, height]: [usize; 2], radius_px: f64) -> Vec
 /// A blur or a tone curve that the model lacks moves the light of all photographs. It is blamed on
 /// the exposure of none. The control is an exposure that is wrong beside the tone curve of none.
 #[test]
+#[ignore = "a minute: `make test-full` runs it"]
 fn an_effect_on_all_photographs_is_blamed_on_no_exposure() {
     let (shots, table) = planted(Kernel::Eq1, 3.4);
     let size = [shots.camera.width, shots.camera.height];
