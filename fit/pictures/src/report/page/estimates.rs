@@ -176,9 +176,13 @@ fn collected<'a>(page: &'a Page) -> Vec<Shown<'a>> {
 /// Writes the numbers of the first screen: each with its standard error, without words.
 pub(crate) fn brief(page: &Page) -> String {
     let all = collected(page);
-    let cards = all
-        .iter()
-        .filter(|shown| shown.kind != ParameterKind::Azimuth);
+    // A spread that nothing asks for is no number of the sheet.
+    let spread = page.result.angular_spread_mrad.is_some();
+    let cards = all.iter().filter(|shown| match shown.kind {
+        ParameterKind::Azimuth => false,
+        ParameterKind::AngularSpread => spread,
+        _ => true,
+    });
     let cards: String = cards.map(Shown::brief).collect();
     format!("<dl class=\"brief cards\">\n{cards}</dl>\n")
 }
