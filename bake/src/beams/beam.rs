@@ -6,14 +6,16 @@
 //! areas of the parts of a beam sum to the area of the beam.
 
 use glam::{DMat2, DVec2, DVec3};
-use tables::Fate;
+use tables::{Fate, Jones};
 
 use crate::beams::candidate::Candidate;
 use crate::beams::exact::{bounds_of_all, total_area, without};
 use crate::beams::view::{Depth, Flight, Isometry, Shadow, View};
 use crate::geometry::{Polygon, polygon};
 use crate::optics::mirror;
-use crate::optics::{LEAST_POWER, PASSES, PolarisedLight, Rules, element, fate_of_leaving};
+use crate::optics::{
+    Backing, LEAST_POWER, PASSES, PolarisedLight, Rules, element, fate_of_leaving, passes_outside,
+};
 
 /// First distance within which a beam looks for lattice copies, edge lengths. If it is too short,
 /// the beam looks four times further, again and again.
@@ -39,8 +41,8 @@ pub(crate) struct LitPiece {
     pub offset: DVec2,
     /// Share of the launched power that is retroreflected.
     pub weight: f64,
-    /// Fields of the light inside the front face; `None` without losses.
-    pub light: Option<PolarisedLight>,
+    /// Amplitudes of polarised light; `None` if all facets are ideal mirrors, which keep it.
+    pub jones: Option<Jones>,
     /// Deviation of the light, as in [`tables::Path::deviation`].
     pub deviation: DVec2,
     /// Number of times that the front face has sent the light back.
@@ -66,21 +68,24 @@ struct BeamCourse {
     reflections: u32,
     /// Number of times that the front face has sent the light back.
     passes: u32,
-    /// Polarised light of the path, or `None` without losses.
+    /// Polarised light of the path; `None` if all facets are ideal mirrors, which keep it.
     light: Option<PolarisedLight>,
+    /// Whether the light loses power.
+    is_lossy: bool,
 }
 
 impl BeamCourse {
     /// Returns the power that is left, as a share of the launched power.
     fn power(&self) -> f64 {
-        self.light.map_or(1.0, |light| light.power())
+        let light = self.light.filter(|_| self.is_lossy);
+        light.map_or(1.0, |light| light.power())
     }
 
     /// Returns the power that passes the front face along `toward`, a direction inside the sheet,
     /// as a share of the launched power.
     fn power_outside(&self, toward: DVec3, index: f64) -> f64 {
-        self.light
-            .map_or(1.0, |light| light.power_outside(toward, index))
+        let light = self.light.filter(|_| self.is_lossy);
+        light.map_or(1.0, |light| light.power_outside(toward, index))
     }
 }
 
@@ -144,10 +149,12 @@ impl Follower<'_> {
             isometry: Isometry::IDENTITY,
             reflections: 0,
             passes: 0,
-            light: self
-                .rules
-                .losses
-                .map(|_| PolarisedLight::entered(view.direction, index)),
+            light: match self.rules.losses {
+                Some(_) => Some(PolarisedLight::entered(view.direction, index)),
+                None if self.rules.mirror_back => None,
+                None => Some(PolarisedLight::whole(view.direction)),
+            },
+            is_lossy: self.rules.losses.is_some(),
         };
         let power = course.power();
         self.settle(view.entrance_area * (1.0 - power), Fate::Absorbed);
@@ -409,8 +416,11 @@ impl Follower<'_> {
             reflections: course.reflections + 1,
             ..*course
         };
-        if let (Some(light), Some(surface)) = (&mut onward.light, &rules.losses) {
-            *light = light.reflected(travel, facet.normal, surface, rules.refractive_index);
+        if let Some(light) = &mut onward.light {
+            let surface = rules.losses.unwrap_or(Backing::Bare);
+            *light = light.reflected(travel, facet.normal, &surface, rules.refractive_index);
+        }
+        if let (Some(surface), Some(light)) = (&rules.losses, onward.light) {
             let lost = course.power() - light.power();
             self.settle(area * lost, surface.takes());
         }
@@ -457,9 +467,9 @@ impl Follower<'_> {
         } = beam.course;
         let light = light.map(|light| light.kept_inside(toward, self.rules.refractive_index));
         let power = match light {
-            None if self.rules.is_trapped(toward) => 1.0,
-            None => return 0.0,
-            Some(light) => light.power(),
+            Some(light) if beam.course.is_lossy => light.power(),
+            _ if self.rules.is_trapped(toward) => 1.0,
+            _ => return 0.0,
         };
         if beam.course.passes == PASSES || power < LEAST_POWER {
             self.settle(total_area(parts) * power, Fate::Trapped);
@@ -510,6 +520,13 @@ impl Follower<'_> {
         let offset = carry(start) + lead;
         let index = self.rules.refractive_index;
         let deviation = mirror::deviation(direction, element::straight_back(kind, toward), index);
+        let front = match course.is_lossy {
+            true => passes_outside(toward, index),
+            false => [1.0; 2],
+        };
+        let jones = course
+            .light
+            .map(|light| light.jones(direction, toward, front));
         let straight = deviation.length() < STRAIGHT;
         let deviation = if straight { DVec2::ZERO } else { deviation };
         self.outcome
@@ -519,7 +536,7 @@ impl Follower<'_> {
                 matrix,
                 offset,
                 weight,
-                light: course.light,
+                jones,
                 deviation,
                 passes,
             }));

@@ -75,8 +75,12 @@ fn bring_home(piece: &mut LitPiece, [a, b]: [DVec2; 2]) {
 }
 
 fn same_map(a: &LitPiece, b: &LitPiece) -> bool {
-    let alike = match (&a.light, &b.light) {
-        (Some(a), Some(b)) => a.apart(b) <= SAME_WEIGHT,
+    let alike = match (&a.jones, &b.jones) {
+        (Some(a), Some(b)) => {
+            let pairs = a.as_flattened().iter().zip(b.as_flattened());
+            let apart = pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
+            apart.sum::<f64>() <= SAME_WEIGHT
+        }
         _ => true,
     };
     let slack = SAME_MAP * (1.0 + a.offset.length());
@@ -129,7 +133,7 @@ fn path(piece: LitPiece) -> Path {
         weight: piece.weight,
         deviation: piece.deviation.to_array(),
         passes: piece.passes,
-        jones: None,
+        jones: piece.jones,
     }
 }
 

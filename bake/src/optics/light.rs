@@ -17,7 +17,7 @@
 use crate::optics::mirror::reflect;
 use glam::DVec3;
 use num_complex::Complex64;
-use tables::Fate;
+use tables::{Fate, Jones};
 
 /// The medium or the coating behind a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,15 +153,46 @@ impl PolarisedLight {
         PolarisedLight([Field::along(s, ts), Field::along(p, tp)])
     }
 
+    /// Returns light before a front face that takes nothing, as if it kept all polarisations.
+    pub(crate) fn whole(travel: DVec3) -> Self {
+        let (s, p) = axes(travel, DVec3::Z);
+        PolarisedLight([Field::along(s, 1.0), Field::along(p, 1.0)])
+    }
+
+    /// Returns the Jones matrix of light that was launched along `launched` and leaves along `left`,
+    /// both inside the sheet and of unit length; see [`tables::Jones`].
+    ///
+    /// `launched` lies in the plane of x and z. `front` gives the amplitudes [t_s, t_p] at which the
+    /// front face is passed.
+    pub(crate) fn jones(&self, launched: DVec3, left: DVec3, front: [f64; 2]) -> Jones {
+        let along_v = DVec3::Y;
+        // The fields were launched along the axes of the front face. Seen along the light, the angle
+        // between these axes and the table's is the same on both sides of the face.
+        let (own, _) = axes(launched, DVec3::Z);
+        let turn = [own.dot(along_v), own.dot(along_v.cross(launched))];
+        let (s, p) = axes(left, DVec3::Z);
+        let leaving = [s.dot(along_v), s.dot(along_v.cross(left))];
+        let out = self.0.map(|field| {
+            let [t_s, t_p] = front;
+            let (along_s, along_p) = (field.dot(s) * t_s, field.dot(p) * t_p);
+            // p of the table is s x the direction, that of a surface the direction x s.
+            let [cosine, sine] = leaving;
+            [
+                along_s * cosine + along_p * sine,
+                along_s * sine - along_p * cosine,
+            ]
+        });
+        let [cosine, sine] = turn;
+        let launched = |part: usize| {
+            let (by_s, by_p) = (out[0][part], out[1][part]);
+            [by_s * cosine + by_p * sine, by_s * sine - by_p * cosine]
+        };
+        [0, 1].map(|part| launched(part).map(|amplitude| [amplitude.re, amplitude.im]))
+    }
+
     /// Returns the power as a share of the launched power.
     pub(crate) fn power(&self) -> f64 {
         f64::midpoint(self.0[0].power(), self.0[1].power()).min(1.0)
-    }
-
-    /// Returns the distance of the fields of two lights.
-    pub(crate) fn apart(&self, other: &PolarisedLight) -> f64 {
-        let apart = |(a, b): (&Field, &Field)| (a.re - b.re).length() + (a.im - b.im).length();
-        self.0.iter().zip(&other.0).map(apart).sum()
     }
 
     /// Returns the light after the reflection at a facet.
@@ -196,13 +227,19 @@ impl PolarisedLight {
     ///
     /// `travel` is the direction inside, unit length. Beyond the critical angle the power is 0.
     pub(crate) fn power_outside(&self, travel: DVec3, index: f64) -> f64 {
-        let (inside, outside) = cosines(travel, index);
         let (s, p) = axes(travel, DVec3::Z);
-        let [ts, tp] = transmission((index, inside), (1.0, outside));
+        let [ts, tp] = passes_outside(travel, index);
         let power =
             |field: &Field| ts * ts * field.dot(s).norm_sqr() + tp * tp * field.dot(p).norm_sqr();
         f64::midpoint(power(&self.0[0]), power(&self.0[1])).min(1.0)
     }
+}
+
+/// Returns the amplitudes [t_s, t_p], scaled to power, of light that leaves through the front face
+/// along `travel`, a unit direction inside.
+pub(crate) fn passes_outside(travel: DVec3, index: f64) -> [f64; 2] {
+    let (inside, outside) = cosines(travel, index);
+    transmission((index, inside), (1.0, outside))
 }
 
 /// Returns the cosines of the angles from z inside and outside. The outer cosine is 0 if light is

@@ -15,7 +15,7 @@ pub(crate) mod roughness;
 mod rules;
 pub(crate) mod triangle;
 
-pub(crate) use light::{Backing, PolarisedLight};
+pub(crate) use light::{Backing, PolarisedLight, passes_outside};
 pub use material::{metal, refractive_index};
 #[cfg(test)]
 pub(crate) use mirror::deviation;

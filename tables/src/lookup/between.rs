@@ -19,7 +19,9 @@
 
 use std::collections::HashSet;
 
-use crate::table::exact::Path;
+use num_complex::Complex64;
+
+use crate::table::exact::{Jones, Path};
 use crate::table::polygon::{self, area};
 
 /// Direction of the table near the direction that is asked for.
@@ -108,7 +110,9 @@ pub(crate) fn paths(
 ) -> Option<Vec<Path>> {
     let seen = shapes(nodes, index)?;
     let mut paths = Vec::new();
-    for family in families(nodes, &seen) {
+    let families = families(nodes, &seen);
+    let places = places(&families, &seen);
+    for (family, place) in families.into_iter().zip(places) {
         let members: Vec<(&NearDirection, &PathShape)> = family
             .iter()
             .map(|&(node, path)| (&nodes[node], &seen[node][path]))
@@ -120,8 +124,8 @@ pub(crate) fn paths(
         }
         let absent = absent(nodes, &family, &lines, &members);
         let present = 1.0 - absent.iter().map(|node| node.share).sum::<f64>();
-        let places: Vec<[f64; 2]> = members.iter().map(|(node, _)| node.tau).collect();
-        let weights = weights(&places, tau);
+        let taus: Vec<[f64; 2]> = members.iter().map(|(node, _)| node.tau).collect();
+        let weights = weights(&taus, tau);
         // The mean is taken relative to the first member: a value that all members share comes out
         // unchanged, to the last digit.
         let seed = members[0].1;
@@ -137,9 +141,7 @@ pub(crate) fn paths(
         let [uu, uv, vu, vv] =
             [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[r, c]| mean(&|s| s.matrix[r][c]));
         let matrix = turned_map([[uu, uv], [vu, vv]], -azimuth_rad);
-        // The polygon is placed where the seed lies: pieces of one cube then still meet, and pieces
-        // of different cubes do not.
-        let [x, y] = turned(seed.fixed, -azimuth_rad);
+        let [x, y] = turned(place, -azimuth_rad);
         let placed = |&p: &[f64; 2]| {
             let [u, v] = turned(p, -azimuth_rad);
             [u + x, v + y]
@@ -155,10 +157,73 @@ pub(crate) fn paths(
                 index,
             ),
             passes: seed.passes,
-            jones: None,
+            jones: between(&members, &weights).map(|jones| scaled(jones, -azimuth_rad, weight)),
         });
     }
     Some(paths)
+}
+
+/// Returns where the polygons of each family are placed: where one of its cube's families has its
+/// seed. Pieces of one cube, which have one fixed point in some direction, then still meet, and
+/// pieces of different cubes do not.
+fn places(families: &[Vec<(usize, usize)>], seen: &[Vec<PathShape>]) -> Vec<[f64; 2]> {
+    const SAME: f64 = 1e-3;
+    let fixed = |&(node, path): &(usize, usize)| seen[node][path].fixed;
+    let of_one_cube = |a: &[(usize, usize)], b: &[(usize, usize)]| {
+        a.iter().any(|own| {
+            let other = b.iter().find(|other| other.0 == own.0);
+            other.is_some_and(|other| distance(fixed(own), fixed(other)) < SAME)
+        })
+    };
+    let mut places: Vec<[f64; 2]> = Vec::new();
+    for (k, family) in families.iter().enumerate() {
+        let known = (0..k).find(|&other| of_one_cube(family, &families[other]));
+        places.push(known.map_or_else(|| fixed(&family[0]), |other| places[other]));
+    }
+    places
+}
+
+/// Jones matrix between fields along the axes x and y of azimuth 0, seen from above.
+type Planar = [[Complex64; 2]; 2];
+
+/// Turns a Jones matrix of the incidence frame at an azimuth to the frame of azimuth 0.
+///
+/// Near normal incidence s and p turn with the azimuth, and the fields do not: there s lies along v,
+/// and p along -u before the sheet and along u behind it. Only after this turn can neighbours be
+/// averaged.
+fn planar(jones: &Jones, azimuth_rad: f64) -> Planar {
+    let [[ss, sp], [ps, pp]] = jones.map(|row| row.map(|[re, im]| Complex64::new(re, im)));
+    turned_field([[-pp, ps], [-sp, ss]], azimuth_rad)
+}
+
+/// Turns a matrix between fields along u and v to axes that are `angle` behind them.
+fn turned_field([[uu, uv], [vu, vv]]: Planar, angle: f64) -> Planar {
+    let parts = |part: fn(&Complex64) -> f64| {
+        turned_map([[part(&uu), part(&uv)], [part(&vu), part(&vv)]], angle)
+    };
+    let (re, im) = (parts(|z| z.re), parts(|z| z.im));
+    [0, 1].map(|row| [0, 1].map(|column| Complex64::new(re[row][column], im[row][column])))
+}
+
+/// Returns the mean of the Jones matrices of a family; `None` if a member has none.
+fn between(members: &[(&NearDirection, &PathShape)], weights: &[f64]) -> Option<Planar> {
+    let mut mean = Planar::default();
+    for ((_, shape), weight) in members.iter().zip(weights) {
+        let own = shape.jones?;
+        for (mean, own) in mean.as_flattened_mut().iter_mut().zip(own.as_flattened()) {
+            *mean += own * weight;
+        }
+    }
+    Some(mean)
+}
+
+/// Turns a mean back to an azimuth, and gives it the power that a path returns: the mean of phases
+/// that differ is too short.
+fn scaled(jones: Planar, angle: f64, power: f64) -> Jones {
+    let [[uu, uv], [vu, vv]] = turned_field(jones, angle);
+    let own: f64 = jones.as_flattened().iter().map(Complex64::norm_sqr).sum();
+    let scale = (2.0 * power / own.max(f64::MIN_POSITIVE)).sqrt();
+    [[vv, -vu], [uv, -uu]].map(|row| row.map(|z| [scale * z.re, scale * z.im]))
 }
 
 /// Returns the direction straight back outside, as its parts along the sheet and up, and 1 /
@@ -239,6 +304,7 @@ pub(crate) struct PathShape {
     /// inside.
     pub astray: [f64; 2],
     pub passes: u32,
+    jones: Option<Planar>,
 }
 
 impl PathShape {
@@ -283,6 +349,7 @@ impl PathShape {
             weight: path.weight,
             astray: turned(astray(path.deviation, node.tau, index), azimuth_rad),
             passes: path.passes,
+            jones: path.jones.as_ref().map(|jones| planar(jones, azimuth_rad)),
         })
     }
 

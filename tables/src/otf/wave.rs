@@ -1,50 +1,63 @@
-//! Scalar wave optics of the effective aperture, the `wave` kernel.
+//! Wave optics of the effective aperture, the `wave` kernel.
 //!
 //! It computes ray shift and diffraction together, and c is its only free parameter. It goes beyond
 //! the paper.
 //!
 //! A corner cube turns the light on its effective aperture K by half a turn about the foot q of its
 //! apex. K' is K times c, with the tangential axis times the cosine of the incidence. Seen from the
-//! image at the distance R, K' carries the phase 2 pi |y|^2/(lambda R) about q. The OTF is its
-//! autocorrelation at the lag s = lambda R nu:
+//! image at the distance R, K' carries the phase 2 pi |y|^2/(lambda R) about q. Each facet order of
+//! the cube returns the light of its piece of K' with a Jones matrix J of its own: total reflection
+//! and metals turn the polarisation. The OTF is the autocorrelation of the pupil at the lag
+//! s = lambda R nu. For unpolarised light, with P the power, it is
 //!
-//! `OTF(nu) = 1/|K'| int over (K' and K' + s) of cos(4 pi nu.(y - s/2)) dy`.
+//! `OTF(nu) = 1/P sum_ab tr(J_a J_b^H)/2 int over (K'_a and K'_b - s) of exp(-4 pi i nu.(y + s/2)) dy`.
 //!
-//! For lambda -> 0 it is the OTF of the ray shift; for a small K' it is the autocorrelation of the
-//! aperture. Along an edge normal the integrand depends on one coordinate. So K is cut across the
-//! normal into strips between its corners. The ends of the chords in a strip are straight lines,
-//! and the integral over such chords is a sinc. No polygon is clipped, and nothing cancels at nu =
-//! 0.
+//! With ideal mirrors all J are alike. Then this is the scalar OTF, the integral of
+//! cos(4 pi nu.(y + s/2)) over the overlap of K' and K' - s. For lambda -> 0 it is the OTF of the
+//! ray shift; for a small K' it is the autocorrelation of the aperture. Against a vector calculation
+//! the scalar OTF of aluminium is right to 0.003, and that of totally reflecting prisms is wrong by
+//! half (Murphy and Goodrow, Applied Optics 52, 2013, measured their Strehl ratio of 0.264).
+//!
+//! Along an edge normal the integrand depends on one coordinate. So K is cut across the normal into
+//! strips between its corners. The ends of the chords in a strip are straight lines, and the
+//! integral over such chords is a sinc. No polygon is clipped, and nothing cancels at nu = 0.
+//!
+//! Light of a facet order that deviates by the angle d from the way back has the phase 2 pi d.y /
+//! lambda too. It depends on both coordinates. Then the overlap of each pair of pieces is clipped,
+//! and its integral is the Fourier transform of a polygon, which is exact as well.
 //!
 //! Different cubes add incoherently, weighted by what they return. The pieces of one cube add
 //! coherently. A spectrum is the weighted sum over its lines.
-//!
-//! A mesh has rounded coordinates, so that the facet orders of a cube deviate a little from the way
-//! back, each in its own direction. The phase by which they so differ over an aperture is 2
-//! pi/lambda x deviation x width. It is left out: the OTF then errs by at most 0.45 deviation x
-//! c/lambda (cubes with errors of 0.01 and 0.05 mrad at normal incidence, by Fourier transforms of
-//! the aperture, c^2/(lambda R) from 0.1 to 5).
 
 use std::f64::consts::PI;
 
+use num_complex::Complex64;
+
 use crate::lookup::direction::Direction;
-use crate::otf::polygon_wave::sinc;
+use crate::otf::polygon_wave::{PolygonWave, sinc};
 use crate::table::exact::Path;
 use crate::table::polygon::{area, clip};
 
-/// Greatest difference of a path's map from a point reflection, and greatest tangent of the
-/// deviation of its light.
-///
-/// Dihedral errors of 0.05 mrad deviate by 2.5e-4 at normal incidence and by 3.5e-4 at 60 degrees
-/// (index 1.49). Whether this matters depends on c.
-const STRAIGHT: f64 = 5e-4;
+/// Deviation of light, rad, up to which it is left out, with an error of 0.45 deviation x c/lambda
+/// in the OTF. A mesh in single precision deviates by less.
+const STRAIGHT: f64 = 1e-7;
 
-/// Greatest distance of the fixed points of two paths of one cube, edge lengths.
+/// Greatest difference of a path's map from a point reflection, and greatest tangent of the
+/// deviation of its light. It is convention: larger errors send the light so far aside that no image
+/// is left.
+const ASTRAY: f64 = 0.02;
+
+/// Distance of the fixed points of two paths of one cube, edge lengths, without deviation: that of
+/// rounded meshes.
 ///
 /// A path leaves the apex of its cube where it is. So its fixed point is half the deviation times
 /// the depth of the cube from the foot of the apex, whose depth seen obliquely is a few edge
 /// lengths at most.
-const SAME_FOOT: f64 = 2.0 * STRAIGHT;
+const SAME_FOOT: f64 = 1e-3;
+
+/// Step of ln c in the differences that give the derivative by ln c of tilted pieces. The third
+/// derivative is some 10^2, so its error is 1e-7.
+const STEP: f64 = 1e-4;
 
 /// Share of the smaller one of two polygons from which on they overlap.
 ///
@@ -75,16 +88,6 @@ pub enum NoWaves {
         /// Incidence, degrees.
         incidence_deg: f64,
     },
-    /// Interpolated paths with losses.
-    #[error(
-        "the wave kernel cannot interpolate a table that has losses, and this table does not hold \
-        incidence {incidence_deg} deg at this azimuth; bake this direction (a page of fit explore \
-        has all directions: it needs a table without losses, or --a-times-r)"
-    )]
-    LossesBetween {
-        /// Incidence, degrees.
-        incidence_deg: f64,
-    },
     /// Apertures of so many pieces that their waves would take without end.
     #[error(
         "the wave kernel takes apertures of at most {MOST_CORNERS} corners, cut into few pieces, \
@@ -97,13 +100,13 @@ pub enum NoWaves {
         /// Number of corners of all polygons.
         corners: usize,
     },
-    /// Cubes without exact right angles.
+    /// Facets that are no corner cubes, or whose errors are large.
     #[error(
-        "the wave kernel needs corner cubes with exact right angles, but those of the table \
-        deviate the light at incidence {incidence_deg} deg; bake them without dihedral errors, or \
-        take the kernel angular, for a sheet given by hand with --a-times-r in place of the \
-        wavelength (about 2.8 c / wavelength for triangular cubes: 764 for 0.15 mm and 550 nm; \
-        compare it with an ideal cell by the same kernel, not by wave)"
+        "the wave kernel needs corner cubes, but the facets of the table send light more than \
+        {limit} rad off the way back at incidence {incidence_deg} deg; bake smaller dihedral \
+        errors, or take the kernel angular, for a sheet given by hand with --a-times-r in place of \
+        the wavelength (about 2.8 c / wavelength for triangular cubes: 764 for 0.15 mm and 550 nm)",
+        limit = ASTRAY
     )]
     NoPointReflection {
         /// Incidence, degrees.
@@ -114,21 +117,55 @@ pub enum NoWaves {
 /// Straight line over a strip: its values at both ends.
 type EndValues = [f64; 2];
 
+/// Part of a piece along the normal within a strip, measured from the cube's q.
+#[derive(Debug, Clone)]
+struct Chord {
+    low: EndValues,
+    high: EndValues,
+    /// Number of the piece.
+    piece: usize,
+}
+
 /// Part of an aperture between two neighbouring corners, across the edge normal; edge lengths.
 #[derive(Debug, Clone)]
 struct Strip {
     /// Width of the strip, across the normal.
     width: f64,
-    /// Chords along the normal, measured from the cube's q: both ends, and the square root of the
-    /// returned power.
-    chords: Vec<(EndValues, EndValues, f64)>,
+    chords: Vec<Chord>,
+}
+
+/// Piece of an aperture whose light is tilted; edge lengths, (along the normal, across it).
+#[derive(Debug, Clone)]
+struct Piece {
+    polygon: Vec<[f64; 2]>,
+    /// Tangents of the deviation.
+    tilt: [f64; 2],
+    /// Product of the tilt with the place from which its phase counts.
+    origin: f64,
+}
+
+/// Aperture of a cube.
+#[derive(Debug, Clone)]
+enum Aperture {
+    Straight(Vec<Strip>),
+    Tilted(Vec<Piece>),
+}
+
+/// Aperture of a cube, and the products of the amplitudes of its pieces.
+#[derive(Debug, Clone)]
+struct Cube {
+    aperture: Aperture,
+    /// tr(J_a J_b^H)/2 in row-major order.
+    products: Vec<Complex64>,
+    pieces: usize,
+    /// Whether all products are real, so that only cosines count.
+    is_scalar: bool,
 }
 
 /// Wave OTF of one direction along one line, for a spectrum.
 #[derive(Debug, Clone)]
 pub struct WaveLine {
-    /// Strips of each cube.
-    cubes: Vec<Vec<Strip>>,
+    cubes: Vec<Cube>,
     /// Sum of power x area over all cubes, square edge lengths.
     power: f64,
     /// Longest lag at which any cube overlaps itself, edge lengths.
@@ -145,8 +182,8 @@ impl WaveLine {
     /// source's lines: each a wavelength, nm, and its weight. The weights are normalised here.
     ///
     /// # Errors
-    /// Returns [`NoWaves`] if the direction has no polygons, if they are not those of corner cubes
-    /// with exact right angles, or if paths with losses are interpolated.
+    /// Returns [`NoWaves`] if the direction has no polygons, if they are not those of corner cubes,
+    /// or if there are too many of them.
     pub fn new(
         direction: &Direction,
         incidence_rad: f64,
@@ -158,10 +195,6 @@ impl WaveLine {
             .paths
             .as_deref()
             .ok_or(NoWaves::NoPolygons { incidence_deg })?;
-        // Interpolation may put the paths of one cube where different directions have it.
-        if direction.interpolated && paths.iter().any(|path| path.weight != paths[0].weight) {
-            return Err(NoWaves::LossesBetween { incidence_deg });
-        }
         let corners = paths.iter().map(|path| path.polygon.len()).sum();
         let many = NoWaves::ManyPieces {
             incidence_deg,
@@ -170,52 +203,64 @@ impl WaveLine {
         if corners > MOST_CORNERS {
             return Err(many);
         }
-        let straight = |path: &Path| {
+        let returns = |path: &Path| {
             let [[uu, uv], [vu, vv]] = path.matrix;
-            let [across, along] = path.deviation;
-            let off = [uu + 2.0, uv, vu, vv + 2.0, across.hypot(along)];
-            off.iter().all(|off| off.abs() <= STRAIGHT)
+            let off = [uu + 2.0, uv, vu, vv + 2.0, astray(path)];
+            off.iter().all(|off| off.abs() <= ASTRAY)
         };
-        if !paths.iter().all(straight) {
+        if !paths.iter().all(returns) {
             return Err(NoWaves::NoPointReflection { incidence_deg });
         }
-        let cube = |(foot, pieces): &Cube| {
-            let seen = |path: &&Path| seen(path, *foot, incidence_rad.cos(), normal);
-            strips(&pieces.iter().map(seen).collect::<Vec<_>>())
-        };
-        let cubes: Vec<Vec<Strip>> = cubes(paths).iter().map(cube).collect();
-        let chords = cubes.iter().flatten().map(|strip| strip.chords.len());
-        if chords.map(|count| count * count).sum::<usize>() > MOST_PAIRS {
+        let cubes = cubes(paths);
+        let cubes = cubes
+            .iter()
+            .map(|(foot, pieces)| Cube::new(pieces, *foot, incidence_rad.cos(), normal));
+        let cubes: Vec<Cube> = cubes.collect();
+        if cubes.iter().map(Cube::pairs).sum::<usize>() > MOST_PAIRS {
             return Err(many);
         }
         let total: f64 = spectrum.iter().map(|(_, weight)| weight).sum();
         let lines = spectrum.iter();
         let mut line = WaveLine {
             power: 1.0,
-            reach: cubes.iter().map(|cube| extent(cube)).fold(0.0, f64::max),
+            reach: cubes.iter().map(Cube::extent).fold(0.0, f64::max),
             lines: lines
                 .map(|(wavelength_nm, weight)| (wavelength_nm * 1e-6, weight / total))
                 .collect(),
             cubes,
         };
-        line.power = line.overlap(0.0, 0.0)[0];
+        line.power = line.overlap([0.0; 3])[0];
         Ok(line)
     }
 
     /// Returns the OTF and its derivative by ln c at a frequency >= 0 in 1/mm.
     ///
-    /// `c_mm` is the corner size and `r_mm` the floating distance, both in mm. The OTF is real, and
-    /// 1 at 0. The only error is rounding, about 1e-14. A cube and a line of the spectrum take 1
-    /// us.
+    /// `c_mm` is the corner size and `r_mm` the floating distance, both in mm. The OTF is 1 at 0. It
+    /// is real, because the way back along a facet order is the order turned round. The only error
+    /// is rounding, about 1e-14, but for the derivative of cubes with dihedral errors, which is a
+    /// difference and errs by 1e-7. A cube of one piece and a line of the spectrum take 1 us, one of
+    /// six orders some 30 us.
     pub fn otf(&self, c_mm: f64, r_mm: f64, frequency: f64) -> (f64, f64) {
-        let wave = 4.0 * PI * c_mm * frequency;
         let (mut value, mut slope) = (0.0, 0.0);
         for &(wavelength_mm, share) in &self.lines {
-            let lag = wavelength_mm * r_mm * frequency / c_mm;
-            if lag < self.reach {
-                let [overlap, by_lag, by_wave] = self.overlap(lag, wave);
-                value += share * overlap;
-                slope += share * (wave * by_wave - lag * by_lag);
+            let at = |c_mm: f64| {
+                let lag = wavelength_mm * r_mm * frequency / c_mm;
+                [
+                    lag,
+                    4.0 * PI * c_mm * frequency,
+                    2.0 * PI * c_mm / wavelength_mm,
+                ]
+            };
+            let here @ [lag, wave, _] = at(c_mm);
+            if lag >= self.reach {
+                continue;
+            }
+            let [overlap, by_lag, by_wave] = self.overlap(here);
+            value += share * overlap;
+            slope += share * (wave * by_wave - lag * by_lag);
+            if self.is_tilted() {
+                let [less, more] = [-STEP, STEP].map(|step| self.tilted(at(c_mm * step.exp())));
+                slope += share * (more - less) / (2.0 * STEP);
             }
         }
         (value, slope)
@@ -225,11 +270,22 @@ impl WaveLine {
     ///
     /// It falls as 1/c.
     pub fn kink(&self, c_mm: f64, r_mm: f64) -> f64 {
-        let mean_mm: f64 = self.lines.iter().map(|(mm, share)| mm * share).sum();
         // The slope is taken next to lag 0, because it jumps at lag 0 itself where pieces of one
         // cube touch.
-        let by_lag = self.overlap(1e-9 * self.reach, 0.0)[1];
-        -by_lag * mean_mm * r_mm / c_mm
+        const NEAR: f64 = 1e-9;
+        const APART: f64 = 1e-7;
+        let of_line = |&(wavelength_mm, share): &(f64, f64)| {
+            let turn = 2.0 * PI * c_mm / wavelength_mm;
+            let straight = self.overlap([NEAR * self.reach, 0.0, turn])[1];
+            let tilted = if self.is_tilted() {
+                let step = APART * self.reach;
+                (self.tilted([step, 0.0, turn]) - self.tilted([0.0, 0.0, turn])) / step
+            } else {
+                0.0
+            };
+            -share * (straight + tilted) * wavelength_mm
+        };
+        self.lines.iter().map(of_line).sum::<f64>() * r_mm / c_mm
     }
 
     /// Returns the frequency beyond which the OTF of a direction is 0 along every line, 1/mm.
@@ -256,21 +312,63 @@ impl WaveLine {
         longest * c_mm / (wavelength_mm * r_mm)
     }
 
-    /// Returns the integral of cos(wave a) over the overlap of the apertures at +-lag/2 along the
-    /// normal.
+    fn is_tilted(&self) -> bool {
+        let tilted = |cube: &Cube| matches!(cube.aperture, Aperture::Tilted(_));
+        self.cubes.iter().any(tilted)
+    }
+
+    /// Returns the integral of the pupil's products over the overlap of the apertures at +-lag/2
+    /// along the normal, over their power.
     ///
-    /// It is divided by the power of the apertures. Its derivatives by lag and by wave follow.
-    /// Lengths are edge lengths.
-    fn overlap(&self, lag: f64, wave: f64) -> [f64; 3] {
+    /// `at` is the lag, 4 pi c nu and 2 pi c / lambda; lengths are edge lengths. The derivatives by
+    /// lag and by 4 pi c nu follow, without the part of tilted pieces.
+    fn overlap(&self, at @ [lag, wave, _]: [f64; 3]) -> [f64; 3] {
         let mut sum = [0.0; 3];
-        for strip in self.cubes.iter().flatten() {
-            for ahead in &strip.chords {
-                for behind in &strip.chords {
-                    let weight = strip.width * ahead.2 * behind.2 / self.power;
-                    let part = common(ahead, behind, lag, wave);
-                    for (sum, part) in sum.iter_mut().zip(part) {
-                        *sum += weight * part;
+        for cube in &self.cubes {
+            let Aperture::Straight(strips) = &cube.aperture else {
+                continue;
+            };
+            for strip in strips {
+                for ahead in &strip.chords {
+                    for behind in &strip.chords {
+                        let product = cube.product(ahead.piece, behind.piece);
+                        let weight = strip.width / self.power;
+                        let part = common(ahead, behind, [lag, wave], product, cube.is_scalar);
+                        for (sum, part) in sum.iter_mut().zip(part) {
+                            *sum += weight * part;
+                        }
                     }
+                }
+            }
+        }
+        sum[0] += self.tilted(at);
+        sum
+    }
+
+    /// Returns the part of [`WaveLine::overlap`] of tilted pieces.
+    ///
+    /// At the middle m of two points of the pupil that are the lag apart, their phases differ by
+    /// turn ((t_a - t_b).m - (t_a + t_b).lag/2), each counted from the fixed point of its path.
+    fn tilted(&self, [lag, wave, turn]: [f64; 3]) -> f64 {
+        let mut sum = 0.0;
+        for cube in &self.cubes {
+            let Aperture::Tilted(pieces) = &cube.aperture else {
+                continue;
+            };
+            for (i, a) in pieces.iter().enumerate() {
+                for (j, b) in pieces.iter().enumerate() {
+                    let both = intersection(
+                        &moved(&a.polygon, 0.5 * lag),
+                        &moved(&b.polygon, -0.5 * lag),
+                    );
+                    let apart = [0, 1].map(|k| turn * (a.tilt[k] - b.tilt[k]));
+                    let Some(over) = PolygonWave::new(&both, [wave - apart[0], -apart[1]]) else {
+                        continue;
+                    };
+                    let common =
+                        -turn * (0.5 * lag * (a.tilt[0] + b.tilt[0]) + a.origin - b.origin);
+                    let light = cube.product(i, j) * Complex64::cis(common) * over.at(1.0).0;
+                    sum += light.re * area(&both) / self.power;
                 }
             }
         }
@@ -278,23 +376,136 @@ impl WaveLine {
     }
 }
 
+/// Returns the tangent of the angle by which light leaves off the way back.
+fn astray(path: &Path) -> f64 {
+    path.deviation[0].hypot(path.deviation[1])
+}
+
+/// Returns half the trace of J_a J_b^H, the product of two pieces for unpolarised light. Ideal
+/// mirrors keep the field in space.
+fn product(a: &Path, b: &Path) -> Complex64 {
+    let (Some(ours), Some(theirs)) = (&a.jones, &b.jones) else {
+        return (a.weight.max(0.0) * b.weight.max(0.0)).sqrt().into();
+    };
+    let pairs = ours.as_flattened().iter().zip(theirs.as_flattened());
+    let complex = |&[re, im]: &[f64; 2]| Complex64::new(re, im);
+    let sum: Complex64 = pairs.map(|(a, b)| complex(a) * complex(b).conj()).sum();
+    0.5 * sum
+}
+
+impl Cube {
+    /// Makes the aperture of a cube with its apex over `foot`. `cosine` is that of the incidence
+    /// outside.
+    fn new(paths: &[&Path], foot: [f64; 2], cosine: f64, normal: [f64; 2]) -> Cube {
+        let turned =
+            |x: f64, y: f64| [normal[0] * x + normal[1] * y, normal[0] * y - normal[1] * x];
+        let seen = |path: &&Path| {
+            let leaving = |p: &[f64; 2]| {
+                let shift = path.shift(*p);
+                let [x, y] = [0, 1].map(|k| p[k] + shift[k] - foot[k]);
+                turned(x * cosine, y)
+            };
+            let [across, along] = path.deviation;
+            let tilt = turned(across, along);
+            // Light through the apex of depth D leaves its foot by 2 f = D tilt aside, and its way is
+            // longer by D tilt^2/2: so its phase is that of a tilt about the fixed point f.
+            let [x, y] = fixed_point(path);
+            let fixed = turned((x - foot[0]) * cosine, y - foot[1]);
+            Piece {
+                polygon: path.polygon.iter().map(leaving).collect(),
+                tilt,
+                origin: tilt[0] * fixed[0] + tilt[1] * fixed[1],
+            }
+        };
+        let pieces: Vec<Piece> = paths.iter().map(seen).collect();
+        let products: Vec<Complex64> = paths
+            .iter()
+            .flat_map(|a| paths.iter().map(|b| product(a, b)))
+            .collect();
+        let is_tilted = paths.iter().any(|path| astray(path) > STRAIGHT);
+        Cube {
+            pieces: pieces.len(),
+            is_scalar: products.iter().all(|product| product.im == 0.0),
+            products,
+            aperture: if is_tilted {
+                Aperture::Tilted(pieces)
+            } else {
+                Aperture::Straight(strips(&pieces))
+            },
+        }
+    }
+
+    fn product(&self, a: usize, b: usize) -> Complex64 {
+        self.products[a * self.pieces + b]
+    }
+
+    /// Returns the number of pairs that an evaluation takes.
+    fn pairs(&self) -> usize {
+        match &self.aperture {
+            Aperture::Straight(strips) => {
+                strips.iter().map(|strip| strip.chords.len().pow(2)).sum()
+            }
+            Aperture::Tilted(pieces) => pieces.len().pow(2),
+        }
+    }
+
+    /// Returns the longest lag at which the cube overlaps itself, edge lengths.
+    fn extent(&self) -> f64 {
+        let width = |places: &mut dyn Iterator<Item = f64>| {
+            let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+                (low.min(at), high.max(at))
+            });
+            high - low
+        };
+        match &self.aperture {
+            Aperture::Straight(strips) => {
+                let own = strips.iter().map(|strip| {
+                    let end = |end: usize| {
+                        let chords = strip.chords.iter();
+                        width(&mut chords.flat_map(|chord| [chord.low[end], chord.high[end]]))
+                    };
+                    end(0).max(end(1))
+                });
+                own.fold(0.0, f64::max)
+            }
+            Aperture::Tilted(pieces) => {
+                let corners = pieces.iter().flat_map(|piece| &piece.polygon);
+                width(&mut corners.map(|corner| corner[0]))
+            }
+        }
+    }
+}
+
 /// Foot q of a cube's apex, and the paths of the cube.
-type Cube<'a> = ([f64; 2], Vec<&'a Path>);
+type CubePaths<'a> = ([f64; 2], Vec<&'a Path>);
 
 /// Sorts paths by their cubes: the paths of one cube have one fixed point, and do not overlap.
 ///
 /// Cubes of two kinds may have one fixed point, because each is seen from its own rim.
-fn cubes(paths: &[Path]) -> Vec<Cube<'_>> {
-    let mut cubes: Vec<Cube> = Vec::new();
+///
+/// Light along an order of facets and along the same order turned round deviates to opposite sides, so
+/// the mean of the fixed points is the foot of the apex.
+fn cubes(paths: &[Path]) -> Vec<CubePaths<'_>> {
+    let mut cubes: Vec<CubePaths> = Vec::new();
+    let same = SAME_FOOT + 2.0 * paths.iter().map(astray).fold(0.0, f64::max);
     for path in paths {
         let foot = fixed_point(path);
         let own = cubes.iter_mut().find(|(other, pieces)| {
-            (foot[0] - other[0]).hypot(foot[1] - other[1]) < SAME_FOOT
+            (foot[0] - other[0]).hypot(foot[1] - other[1]) < same
                 && !pieces.iter().any(|piece| overlap(piece, path))
         });
         match own {
             Some((_, pieces)) => pieces.push(path),
             None => cubes.push((foot, vec![path])),
+        }
+    }
+    if same > SAME_FOOT {
+        for (foot, pieces) in &mut cubes {
+            let mean = |k: usize| {
+                let all = pieces.iter().map(|path| fixed_point(path)[k]);
+                all.sum::<f64>() / pieces.len() as f64
+            };
+            *foot = [mean(0), mean(1)];
         }
     }
     cubes
@@ -313,43 +524,36 @@ fn fixed_point(path: &Path) -> [f64; 2] {
 
 /// Returns whether the polygons of two paths overlap.
 fn overlap(a: &Path, b: &Path) -> bool {
-    let sides = b.polygon.iter().zip(b.polygon.iter().cycle().skip(1));
-    let both = sides.fold(a.polygon.clone(), |rest, (p, q)| {
+    let both = intersection(&a.polygon, &b.polygon);
+    area(&both) > OVERLAP * a.area().min(b.area())
+}
+
+/// Returns the part of a convex polygon within another one.
+fn intersection(a: &[[f64; 2]], b: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let sides = b.iter().zip(b.iter().cycle().skip(1));
+    sides.fold(a.to_vec(), |rest, (p, q)| {
         let outside =
             |at: [f64; 2]| (q[1] - p[1]) * (at[0] - p[0]) - (q[0] - p[0]) * (at[1] - p[1]);
         clip(&rest, outside, |p, q, part| {
             [0, 1].map(|k| p[k] + part * (q[k] - p[k]))
         })
-    });
-    area(&both) > OVERLAP * a.area().min(b.area())
+    })
 }
 
-/// Polygon as (along the normal, across it), from its cube's q, and the square root of its power.
-type Chained = (Vec<[f64; 2]>, f64);
-
-/// Turns a path to the coordinates along and across the normal, foreshortened.
-fn seen(path: &Path, foot: [f64; 2], cosine: f64, normal: [f64; 2]) -> Chained {
-    let turned = |p: &[f64; 2]| {
-        let x = (p[0] - foot[0]) * cosine;
-        let y = p[1] - foot[1];
-        [normal[0] * x + normal[1] * y, normal[0] * y - normal[1] * x]
-    };
-    (
-        path.polygon.iter().map(turned).collect(),
-        path.weight.max(0.0).sqrt(),
-    )
+fn moved(polygon: &[[f64; 2]], by: f64) -> Vec<[f64; 2]> {
+    polygon.iter().map(|&[x, y]| [x + by, y]).collect()
 }
 
 /// Cuts the pieces of one cube at all their corners.
-fn strips(pieces: &[Chained]) -> Vec<Strip> {
-    let corners = pieces.iter().flat_map(|(polygon, _)| polygon);
+fn strips(pieces: &[Piece]) -> Vec<Strip> {
+    let corners = pieces.iter().flat_map(|piece| &piece.polygon);
     let mut cuts: Vec<f64> = corners.map(|corner| corner[1]).collect();
     cuts.sort_by(f64::total_cmp);
     cuts.dedup_by(|a, b| *a - *b < SAME_CORNER);
     let strip = |cut: &[f64]| {
         let middle = 0.5 * (cut[0] + cut[1]);
         let mut chords = Vec::new();
-        for (polygon, amplitude) in pieces {
+        for (piece, Piece { polygon, .. }) in pieces.iter().enumerate() {
             let mut sides: Vec<EndValues> = Vec::new();
             for (k, p) in polygon.iter().enumerate() {
                 let q = polygon[(k + 1) % polygon.len()];
@@ -361,7 +565,11 @@ fn strips(pieces: &[Chained]) -> Vec<Strip> {
             sides.sort_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
             // A line that enters a polygon also leaves it, so the sides come in pairs.
             let pairs = sides.chunks_exact(2);
-            chords.extend(pairs.map(|pair| (pair[0], pair[1], *amplitude)));
+            chords.extend(pairs.map(|pair| Chord {
+                low: pair[0],
+                high: pair[1],
+                piece,
+            }));
         }
         Strip {
             width: cut[1] - cut[0],
@@ -371,35 +579,33 @@ fn strips(pieces: &[Chained]) -> Vec<Strip> {
     cuts.windows(2).map(strip).collect()
 }
 
-/// Returns the longest lag at which a cube overlaps itself, edge lengths.
-fn extent(cube: &[Strip]) -> f64 {
-    let within = cube.iter().map(|strip| {
-        let ends = strip
-            .chords
-            .iter()
-            .flat_map(|(low, high, _)| [[low[0], high[0]], [low[1], high[1]]]);
-        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), end| {
-            (low.min(end[0]), high.max(end[1]))
-        });
-        high - low
-    });
-    within.fold(0.0, f64::max)
-}
-
-/// Returns the mean over a strip of the integral of cos(wave a) over the overlap of two chords.
+/// Returns the mean over a strip of the real part of `product` times the integral of
+/// exp(-i wave m) over the overlap of two chords.
 ///
 /// The overlap goes from where both chords have begun to where one ends. The chord `ahead` is moved
 /// by +lag/2, the other by -lag/2. The derivatives by lag and by wave follow.
 fn common(
-    ahead: &(EndValues, EndValues, f64),
-    behind: &(EndValues, EndValues, f64),
-    lag: f64,
-    wave: f64,
+    ahead: &Chord,
+    behind: &Chord,
+    [lag, wave]: [f64; 2],
+    product: Complex64,
+    is_scalar: bool,
 ) -> [f64; 3] {
     let moved = |side: EndValues, by: f64| side.map(|end| end + by * lag);
     // Beginnings and ends of the chords, each with its motion by lag.
-    let lows = [(moved(ahead.0, 0.5), 0.5), (moved(behind.0, -0.5), -0.5)];
-    let highs = [(moved(ahead.1, 0.5), 0.5), (moved(behind.1, -0.5), -0.5)];
+    let lows = [
+        (moved(ahead.low, 0.5), 0.5),
+        (moved(behind.low, -0.5), -0.5),
+    ];
+    let highs = [
+        (moved(ahead.high, 0.5), 0.5),
+        (moved(behind.high, -0.5), -0.5),
+    ];
+    // Most pieces of a cube lie beside each other at most lags.
+    let apart = |low: &EndValues, high: &EndValues| low[0] >= high[0] && low[1] >= high[1];
+    if apart(&lows[0].0, &highs[1].0) || apart(&lows[1].0, &highs[0].0) {
+        return [0.0; 3];
+    }
     // Between the crossings of these lines, one beginning and one end bound the overlap throughout.
     let mut cuts = [0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
     let lines = [lows[0].0, lows[1].0, highs[0].0, highs[1].0];
@@ -429,17 +635,58 @@ fn common(
             continue;
         }
         for (line, motion, sign) in [(high.0, high.1, width), (low.0, low.1, -width)] {
-            // Mean over the part of the primitive, sin(wave a)/wave, and of its derivatives.
             let centre = at(&line, middle);
             let half = 0.5 * (line[1] - line[0]) * width;
-            let (across, across_slope) = sinc(wave * half);
-            let (along, along_slope) = sinc(wave * centre);
-            sum[0] += sign * centre * along * across;
-            sum[1] += sign * motion * (wave * centre).cos() * across;
-            sum[2] += sign * centre * (centre * along_slope * across + along * half * across_slope);
+            let even = cosines(wave, centre, half);
+            let odd = if is_scalar {
+                [0.0; 3]
+            } else {
+                sines(wave, centre, half)
+            };
+            let motions = [1.0, motion, 1.0];
+            for k in 0..3 {
+                sum[k] += sign * motions[k] * (product.re * even[k] + product.im * odd[k]);
+            }
         }
     }
     sum
+}
+
+/// Returns the means over x from centre - half to centre + half of sin(wave x)/wave, of its
+/// derivative by x, and of that by wave.
+fn cosines(wave: f64, centre: f64, half: f64) -> [f64; 3] {
+    let (across, across_slope) = sinc(wave * half);
+    let (along, along_slope) = sinc(wave * centre);
+    [
+        centre * along * across,
+        (wave * centre).cos() * across,
+        centre * (centre * along_slope * across + along * half * across_slope),
+    ]
+}
+
+/// Returns the means over x from centre - half to centre + half of (1 - cos(wave x))/wave, of its
+/// derivative by x, and of that by wave.
+///
+/// The closed form cancels near wave = 0: two terms of the series then leave out (wave x)^4 / 360.
+fn sines(wave: f64, centre: f64, half: f64) -> [f64; 3] {
+    const SERIES: f64 = 1e-3;
+    let (across, across_slope) = sinc(wave * half);
+    let (sin, cos) = (wave * centre).sin_cos();
+    let by_place = sin * across;
+    let (c2, h2) = (centre * centre, half * half);
+    if wave.abs() * centre.abs().max(half.abs()) < SERIES {
+        let second = c2 + h2 / 3.0;
+        let fourth = c2 * c2 + 2.0 * c2 * h2 + h2 * h2 / 5.0;
+        let square = wave * wave;
+        return [
+            wave * (second / 2.0 - square * fourth / 24.0),
+            by_place,
+            second / 2.0 - square * fourth / 8.0,
+        ];
+    }
+    let value = (1.0 - cos * across) / wave;
+    let by_wave = (centre * sin * across - cos * half * across_slope - value) / wave;
+    [value, by_place, by_wave]
 }
 
 #[cfg(test)]

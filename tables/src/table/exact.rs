@@ -31,7 +31,8 @@ pub struct Path {
     pub deviation: [f64; 2],
     /// Number of times that the front face sent the light back inside.
     pub passes: u32,
-    /// Amplitudes of polarised light, if a program recorded them. `bake` records none yet.
+    /// Amplitudes of polarised light; `None` for ideal mirrors, which keep the field, and in tables
+    /// from before version 0.2.
     pub jones: Option<Jones>,
 }
 

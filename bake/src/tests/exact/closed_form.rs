@@ -261,7 +261,11 @@ fn total_internal_reflection_fails_where_it_should() {
         );
         assert_eq!(without.fate[Fate::Transmitted as usize], 0.0);
         if survives {
-            assert_eq!(with, without);
+            // The six orders of the facets stay apart, because each turns the polarisation. Sums
+            // over their bins round by 1e-16 a path.
+            assert!(with.paths.len() >= without.paths.len() && with.paths.len() <= 6);
+            let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-14);
+            assert!(near(&with.fate, &without.fate) && near(&with.histogram, &without.histogram));
             whole += 1;
         } else {
             assert_eq!(

@@ -11,3 +11,4 @@ pub(crate) mod invariants;
 pub(crate) mod losses;
 pub(crate) mod sheets;
 pub(crate) mod spots;
+pub(crate) mod waves;

@@ -2,7 +2,7 @@
 //! them.
 
 use tables::options::Back;
-use tables::{Direction, Exact, NoWaves, Table, WaveLine};
+use tables::{Direction, NoWaves, Table, WaveLine};
 
 use edges::names::Spectrum;
 
@@ -40,32 +40,29 @@ pub fn line(
     Ok(WaveLine::new(direction, incidence_rad, normal, &lines)?)
 }
 
-/// Largest relative error of MTF for each deviation x c / wavelength of the cubes, which
-/// [`WaveLine`] leaves out.
-const BY_DEVIATION: f64 = 0.45;
-
-/// Error of MTF from which on a remark names it.
-const SEEN: f64 = 0.01;
-
 /// Number of wavelengths below which a cube is too small for waves of small angles.
 ///
 /// The light of an aperture of 10 wavelengths leaves within some 0.1 rad.
 const SMALL: f64 = 10.0;
 
-/// Returns whether the cubes of a table reflect totally, so that each facet order turns the
-/// polarisation of light in its own way. Scalar waves know nothing of it.
-pub(crate) fn polarises(table: &Table) -> bool {
-    table.provenance.back.is(Back::Tir)
+/// Returns whether each facet order of a table's cubes turns the polarisation of light in its own
+/// way, and the table does not hold how: one that an older `bake` wrote.
+pub(crate) fn lacks_polarisation(table: &Table) -> bool {
+    let paths = table
+        .exact
+        .iter()
+        .flat_map(|exact| exact.paths.iter().flatten());
+    table.provenance.back.is(Back::Tir) && paths.into_iter().any(|path| path.jones.is_none())
 }
 
 /// Returns remarks on the waves of cubes of the size `c_mm`, one sentence each.
 pub fn remarks(table: &Table, spectrum: &Spectrum, c_mm: f64) -> Vec<String> {
     let mut remarks = Vec::new();
-    if polarises(table) {
+    if lacks_polarisation(table) {
         remarks.push(
-            "the cubes of the table reflect totally (back tir), and the kernel wave is scalar: it \
-            leaves out that total reflection turns the polarisation, so its MTF is far too high \
-            (MTF50 by a factor of two); take a lobe (kernel angular), or a metal back"
+            "the cubes of the table reflect totally (back tir), and it does not hold how they turn \
+            the polarisation: without this the MTF of the kernel wave is far too high (MTF50 by a \
+            factor of two); bake the table again with this version, or take a lobe (kernel angular)"
                 .into(),
         );
     }
@@ -75,27 +72,12 @@ pub fn remarks(table: &Table, spectrum: &Spectrum, c_mm: f64) -> Vec<String> {
             .iter()
             .map(|line| 1e-6 * line.wavelength_nm)
     };
-    let shortest_mm = of_lines().fold(f64::INFINITY, f64::min);
     let longest_mm = of_lines().fold(0.0, f64::max);
     if c_mm < SMALL * longest_mm {
         remarks.push(format!(
             "c is {c_mm} mm, {:.2} of the longest wavelength: the kernel wave holds for cubes of \
             more than {SMALL} wavelengths; c is in mm",
             c_mm / longest_mm
-        ));
-    }
-    let deviation = table
-        .exact
-        .as_ref()
-        .map_or(0.0, Exact::largest_deviation_rad);
-    let error = BY_DEVIATION * deviation * c_mm / shortest_mm;
-    if error > SEEN {
-        remarks.push(format!(
-            "the cubes of the table send light up to {:.3} mrad off the way back, and the kernel \
-            wave takes them as exact: its MTF errs by up to {:.2}; bake exact cubes, or take the \
-            kernel angular",
-            1e3 * deviation,
-            error.min(1.0)
         ));
     }
     remarks

@@ -15,7 +15,7 @@ use estimator::estimate::{Kind, Loss, Scene, Verdict, goodness};
 
 /// What a camera does after the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum After {
+pub(super) enum After {
     Nothing,
     /// A bilateral filter, with its deviations in space (pixels) and in light.
     Bilateral(f64, f64),
@@ -23,15 +23,16 @@ enum After {
     Mosaic,
     /// JPEG of 8 bits.
     Jpeg(u8),
-    /// All of them, with light sharpening, as ordinary cameras do.
-    Ordinary,
+    /// All of them, with light sharpening, as ordinary cameras do; the filter has this deviation in
+    /// light.
+    Ordinary(f64),
 }
 
 /// A picture in one channel.
 #[derive(Clone)]
-struct Picture {
-    size: [usize; 2],
-    values: Vec<f64>,
+pub(super) struct Picture {
+    pub size: [usize; 2],
+    pub values: Vec<f64>,
 }
 
 impl Picture {
@@ -128,7 +129,7 @@ fn linear(code: f64) -> f64 {
 }
 
 impl After {
-    fn of(self, seen: &Picture) -> Picture {
+    pub fn of(self, seen: &Picture) -> Picture {
         let luminance = |channels: [Picture; 3]| {
             seen.map(|x, y| {
                 let parts = channels.iter().zip([0.2126, 0.7152, 0.0722]);
@@ -142,9 +143,9 @@ impl After {
             After::Bilateral(sigma_px, range) => seen.bilateral(sigma_px, range),
             After::Jpeg(quality) => seen.jpeg(quality),
             After::Mosaic => luminance([0, 1, 2].map(|colour| seen.colour(colour))),
-            After::Ordinary => luminance([0, 1, 2].map(|colour| {
+            After::Ordinary(range) => luminance([0, 1, 2].map(|colour| {
                 let coded = seen.colour(colour).through(coded);
-                coded.bilateral(1.5, 0.03).sharpened(0.3).through(linear)
+                coded.bilateral(1.5, range).sharpened(0.3).through(linear)
             }))
             .jpeg(90),
         }
@@ -280,7 +281,7 @@ fn statistics_of_cameras() {
                 "{after:?}"
             );
         }
-        for after in [After::Jpeg(98), After::Jpeg(90), After::Ordinary] {
+        for after in [After::Jpeg(98), After::Jpeg(90), After::Ordinary(0.03)] {
             drawn(DRAWS, full_well_e, after);
         }
     }

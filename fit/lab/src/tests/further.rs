@@ -6,148 +6,17 @@ use estimator::estimate::campaign::{Estimated, campaign};
 use estimator::estimate::search::select::select;
 use estimator::estimate::{Candidates, Estimate, Kind, Options, Progress, Value, Verdict};
 use estimator::model::further::tangential_gain;
-use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
+use super::effects::{Cubes, Effect, Errors, taken};
 use crate::planted::{Stream, camera, params, table, truth};
-use crate::simulate::photograph::{exposed, photograph, smeared};
-use crate::simulate::{Error, Params};
 use crate::study::trial;
-
-type V = Vector3<f64>;
 
 /// Incidences of the campaigns, degrees.
 const INCIDENCE: [f64; 3] = [0.0, 20.0, 35.0];
 
 /// Planted c (mm), a (1/mm) and mu.
 const TRUTH: [f64; 3] = [0.33, 3.4, 0.5];
-
-/// What the camera of the mid-air photographs, or the sheet, has beside the model.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Effect {
-    /// Nothing.
-    None,
-    /// Defocus by a disc of this radius, pixels.
-    Disc(f64),
-    /// Another standard deviation of the lens than that of the reference, pixels.
-    Lens(f64),
-    /// Independent errors of all dihedral angles of this standard deviation, mrad.
-    Dihedral(f64),
-}
-
-/// Returns the offsets (pixels) along an edge normal that a disc causes, with their shares: the
-/// chords of the disc, by the rule of Gauss and Chebyshev of the second kind.
-fn disc(radius_px: f64) -> Vec<(f64, f64)> {
-    const NODES: usize = 16;
-    let step = std::f64::consts::PI / (NODES + 1) as f64;
-    let node = |k: usize| {
-        let (sine, cosine) = (k as f64 * step).sin_cos();
-        (radius_px * cosine, 2.0 / (NODES + 1) as f64 * sine * sine)
-    };
-    (1..=NODES).map(node).collect()
-}
-
-/// Light that cubes with dihedral errors behind a flat front send back: directions outside.
-struct Cubes {
-    incidence_rad: f64,
-    refractive_index: f64,
-    /// Standard deviation of the dihedral angles, rad.
-    deviation_rad: f64,
-}
-
-impl Cubes {
-    /// Traces a ray through a cube of random errors, by any order of its facets. Returns the
-    /// deviation of the light from the exact way back, (tangential, sagittal) rad.
-    fn ray(&self, stream: &mut Stream) -> [f64; 2] {
-        let m = self.refractive_index;
-        let (sine, cosine) = self.incidence_rad.sin_cos();
-        let azimuth = stream.between(0.0, std::f64::consts::TAU);
-        let u = V::new(azimuth.cos(), azimuth.sin(), 0.0);
-        let arriving = u * sine - V::z() * cosine;
-        // Snell's law: the components along the face are divided by the index.
-        let mut ray = refracted(&arriving, m.recip());
-        // Facets whose normals meet at the angles of 90 degrees and an error.
-        let edges = [0.0_f64, 120.0, 240.0].map(|turn| {
-            let (sine, cosine) = turn.to_radians().sin_cos();
-            V::new(cosine, sine, 0.0) * (2.0_f64 / 3.0).sqrt() + V::z() / 3.0_f64.sqrt()
-        });
-        let errors: [f64; 3] = std::array::from_fn(|_| self.deviation_rad * stream.normal());
-        let [ab, ac, bc] = errors.map(f64::sin);
-        let gram = Matrix3::new(1.0, ab, ac, ab, 1.0, bc, ac, bc, 1.0);
-        let rows = gram.cholesky().expect("errors are small").l();
-        let normals = [0, 1, 2].map(|i| {
-            let parts = edges.iter().enumerate();
-            parts.map(|(k, edge)| edge * rows[(i, k)]).sum::<V>()
-        });
-        let mut order = [0, 1, 2];
-        order.swap(0, (stream.between(0.0, 3.0) as usize).min(2));
-        order.swap(1, 1 + (stream.between(0.0, 2.0) as usize).min(1));
-        for i in order {
-            ray -= normals[i] * (2.0 * ray.dot(&normals[i]));
-        }
-        let back = refracted(&ray, m);
-        let tangential = u * cosine + V::z() * sine;
-        let sagittal = V::z().cross(&u);
-        let off = back + arriving;
-        [off.dot(&tangential), off.dot(&sagittal)]
-    }
-}
-
-/// Refracts a unit vector at the face z = 0, whose components along the face are multiplied by
-/// `index`.
-fn refracted(ray: &V, index: f64) -> V {
-    let [x, y] = [ray.x * index, ray.y * index];
-    V::new(x, y, (1.0 - x * x - y * y).sqrt().copysign(ray.z))
-}
-
-/// Returns a histogram of the offsets (pixels) along the edge of a capture that rays through cubes
-/// with dihedral errors cause.
-fn thrown(params: &Params, index: usize, deviation_mrad: f64) -> Vec<(f64, f64)> {
-    const RAYS: usize = 400_000;
-    let shot = &params.captures[index];
-    let cubes = Cubes {
-        incidence_rad: shot.incidence_deg.to_radians(),
-        refractive_index: params.truth.refractive_index,
-        deviation_rad: 1e-3 * deviation_mrad,
-    };
-    let normal = (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians();
-    let px = shot.floating_distance_mm / params.camera.pixel_pitch_mm;
-    let mut stream = Stream(0xd1ed << 20 | params.seed << 6 | index as u64);
-    let offset = |_| {
-        let [along, across] = cubes.ray(&mut stream);
-        px * (along * normal.cos() + across * normal.sin())
-    };
-    let mut offsets: Vec<f64> = (0..RAYS).map(offset).collect();
-    offsets.sort_by(f64::total_cmp);
-    // Groups of neighbours have their mean. Within a group the offsets vary by a thousandth of
-    // their variance.
-    let groups = offsets.chunks(RAYS / 400);
-    let mean = |group: &[f64]| group.iter().sum::<f64>() / group.len() as f64;
-    groups
-        .map(|group| (mean(group), group.len() as f64 / RAYS as f64))
-        .collect()
-}
-
-/// Takes a photograph with an effect; the reference has none.
-fn taken(effect: Effect, params: &Params, index: Option<usize>) -> Result<Vec<f32>, Error> {
-    let Some(i) = index else {
-        return photograph(params, index);
-    };
-    let smear = |offsets: Vec<(f64, f64)>| {
-        let light = smeared(params, index, &offsets)?;
-        Ok(exposed(params, index, light))
-    };
-    match effect {
-        Effect::None => photograph(params, index),
-        Effect::Disc(radius_px) => smear(disc(radius_px)),
-        Effect::Lens(sigma_px) => {
-            let mut other = params.clone();
-            other.camera.sigma_px = sigma_px;
-            photograph(&other, index)
-        }
-        Effect::Dihedral(mrad) => smear(thrown(params, i, mrad)),
-    }
-}
 
 /// Result of one campaign: the estimate, and that of a selection without further blurs.
 struct Outcome {
@@ -205,7 +74,7 @@ fn rays_through_imperfect_cubes_spread_as_derived() {
         let cubes = Cubes {
             incidence_rad: f64::to_radians(deg),
             refractive_index: m,
-            deviation_rad: 1e-4,
+            errors: Errors::Each(1e-4),
         };
         let mut stream = Stream(7 + cases);
         let mut squares = [0.0; 2];
@@ -213,7 +82,7 @@ fn rays_through_imperfect_cubes_spread_as_derived() {
             let off = cubes.ray(&mut stream);
             (0..2).for_each(|k| squares[k] += off[k] * off[k]);
         }
-        let sagittal = 2.0 * m * cubes.deviation_rad;
+        let sagittal = 2.0 * m * 1e-4;
         let expected = [sagittal * tangential_gain(cubes.incidence_rad, m), sagittal];
         for (squares, expected) in squares.into_iter().zip(expected) {
             let found = (squares / RAYS as f64).sqrt();
@@ -373,51 +242,4 @@ fn ideal_photographs_get_no_further_blur() {
         assert!((0.001..0.1).contains(&most), "{most}");
     });
     assert_eq!(count, 4);
-}
-
-/// Prints what is found over effects and seeds: the figures of the page on limits.
-#[test]
-#[ignore = "minutes: measures figures, and checks none"]
-fn measured_further_blurs() {
-    let effects = [
-        Effect::None,
-        Effect::Disc(0.6),
-        Effect::Disc(1.5),
-        Effect::Lens(0.6),
-        Effect::Lens(0.7),
-        Effect::Lens(0.4),
-        Effect::Dihedral(0.02),
-        Effect::Dihedral(0.05),
-        Effect::Dihedral(0.1),
-        Effect::Dihedral(0.2),
-        Effect::Dihedral(0.5),
-    ];
-    for effect in effects {
-        for distances in [&[150.0, 300.0][..], &[200.0, 200.0]] {
-            let seeds: Vec<u64> = (1..=6).collect();
-            let outcomes: Vec<Outcome> = seeds
-                .into_par_iter()
-                .map(|seed| fitted(effect, seed, distances, 4e4))
-                .collect();
-            println!("{effect:?} at {distances:?}");
-            for Outcome { estimated, before } in &outcomes {
-                let best = &estimated.best;
-                let of = |own: Option<Value>| {
-                    own.map_or("-".into(), |own| {
-                        format!("{:.3}+-{:.3}", own.value, own.standard_error)
-                    })
-                };
-                println!(
-                    "   {:?} ({:?}) c {:+.2?} before {:+.2?} ({:?}); w {} sigma {}",
-                    estimated.goodness.verdict,
-                    best.choice.kernel,
-                    error_of_c(best).unwrap_or_default(),
-                    error_of_c(before).unwrap_or_default(),
-                    before.choice.kernel,
-                    of(best.own_blur_px),
-                    of(best.angular_spread_mrad),
-                );
-            }
-        }
-    }
 }

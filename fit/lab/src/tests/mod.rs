@@ -13,6 +13,7 @@ mod correlation;
 mod diagnosis;
 mod direction;
 mod edge;
+mod effects;
 mod estimate;
 mod exponent;
 mod forward;

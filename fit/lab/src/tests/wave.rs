@@ -372,7 +372,7 @@ fn what_the_waves_need_is_named() {
     };
     let tilted = Direction {
         paths: held.paths.clone().map(|mut paths| {
-            paths[0].matrix[0][1] = 6e-4;
+            paths[0].matrix[0][1] = 0.03;
             paths
         }),
         ..held.clone()

@@ -22,7 +22,7 @@ pub(crate) struct Terms {
     /// - wave:    wave optics, from c and the wavelength alone
     ///
     /// wave needs a wavelength and an exact table. auto compares it too if both
-    /// are given, unless the cubes reflect totally (bake trace --back tir).
+    /// are given.
     #[arg(
         long,
         default_value = "auto",

@@ -134,13 +134,13 @@ impl Candidates {
         }
         if candidates.kernels.contains(&Kernel::Wave)
             && candidates.kernels.len() > 1
-            && wave::polarises(table)
+            && wave::lacks_polarisation(table)
         {
             candidates.kernels.retain(|&kernel| !kernel.has_waves());
             warnings.push(
-                "the wave kernel is not among the candidates: it is scalar, and the cubes of the \
-                table reflect totally (back tir), which turns the polarisation of light; bake a \
-                metal back if the sheet has one"
+                "the wave kernel is not among the candidates: the cubes of the table reflect totally \
+                (back tir), and it does not hold how they turn the polarisation of light; bake it \
+                again with this version"
                     .into(),
             );
         }

@@ -395,7 +395,7 @@ impl Search<'_> {
     /// Returns the waves of the wavelength that fits best, if no wavelength is known and the table
     /// has waves.
     fn of_waves(&self) -> Option<Alternative> {
-        if self.scene.spectrum.is_some() || wave::polarises(self.table) {
+        if self.scene.spectrum.is_some() || wave::lacks_polarisation(self.table) {
             return None;
         }
         let choice = Choice {

@@ -1,0 +1,401 @@
+//! What real cameras and sheets have and the model does not, each planted in its physical form, and
+//! campaigns drawn over their sizes: verdicts, and the coverage of the stated 95 % intervals.
+
+use edges::names::{Kernel, LobeShape, ParameterKind};
+use estimator::estimate::campaign::{Estimated, undiagnosed};
+use estimator::estimate::{Candidates, Options, Progress, Verdict};
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+
+use super::cameras::{After, Picture};
+use crate::planted::{Stream, camera, params, table, truth};
+use crate::simulate::photograph::{exposed, photograph, smeared};
+use crate::simulate::{Error, Params};
+use crate::study::trial;
+
+type V = Vector3<f64>;
+
+/// What the camera or the sheet has beside the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Effect {
+    /// Nothing.
+    None,
+    /// Defocus of the mid-air photographs by a disc of this radius, pixels.
+    Disc(f64),
+    /// Another standard deviation of the lens than that of the reference, pixels.
+    Lens(f64),
+    /// Independent errors of all dihedral angles of this standard deviation, mrad.
+    Dihedral(f64),
+    /// One error of all dihedral angles, mrad.
+    Common(f64),
+    /// A perfect round pupil with this radius of its blur, 1 / cut-off, pixels.
+    Pupil(f64),
+    /// A halo of this share of the light, with tails of 20 pixels.
+    Halo(f64),
+    /// Linear sharpening of this strength.
+    Sharpening(f64),
+    /// What the camera does after the sensor.
+    After(After),
+}
+
+/// Returns the offsets (pixels) along an edge normal that a disc causes, with their shares: the
+/// chords of the disc, by the rule of Gauss and Chebyshev of the second kind.
+fn disc(radius_px: f64) -> Vec<(f64, f64)> {
+    const NODES: usize = 16;
+    let step = std::f64::consts::PI / (NODES + 1) as f64;
+    let node = |k: usize| {
+        let (sine, cosine) = (k as f64 * step).sin_cos();
+        (radius_px * cosine, 2.0 / (NODES + 1) as f64 * sine * sine)
+    };
+    (1..=NODES).map(node).collect()
+}
+
+/// Light that cubes with dihedral errors behind a flat front send back: directions outside.
+pub(super) struct Cubes {
+    pub incidence_rad: f64,
+    pub refractive_index: f64,
+    pub errors: Errors,
+}
+
+/// Errors of the dihedral angles, rad.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Errors {
+    /// Independent ones of this standard deviation.
+    Each(f64),
+    /// One that all angles share.
+    Common(f64),
+}
+
+impl Cubes {
+    /// Traces a ray through a cube of random errors, by any order of its facets. Returns the
+    /// deviation of the light from the exact way back, (tangential, sagittal) rad.
+    pub fn ray(&self, stream: &mut Stream) -> [f64; 2] {
+        let m = self.refractive_index;
+        let (sine, cosine) = self.incidence_rad.sin_cos();
+        let azimuth = stream.between(0.0, std::f64::consts::TAU);
+        let u = V::new(azimuth.cos(), azimuth.sin(), 0.0);
+        let arriving = u * sine - V::z() * cosine;
+        // Snell's law: the components along the face are divided by the index.
+        let mut ray = refracted(&arriving, m.recip());
+        // Facets whose normals meet at the angles of 90 degrees and an error.
+        let edges = [0.0_f64, 120.0, 240.0].map(|turn| {
+            let (sine, cosine) = turn.to_radians().sin_cos();
+            V::new(cosine, sine, 0.0) * (2.0_f64 / 3.0).sqrt() + V::z() / 3.0_f64.sqrt()
+        });
+        let errors: [f64; 3] = match self.errors {
+            Errors::Each(rad) => std::array::from_fn(|_| rad * stream.normal()),
+            Errors::Common(rad) => [rad; 3],
+        };
+        let [ab, ac, bc] = errors.map(f64::sin);
+        let gram = Matrix3::new(1.0, ab, ac, ab, 1.0, bc, ac, bc, 1.0);
+        let rows = gram.cholesky().expect("errors are small").l();
+        let normals = [0, 1, 2].map(|i| {
+            let parts = edges.iter().enumerate();
+            parts.map(|(k, edge)| edge * rows[(i, k)]).sum::<V>()
+        });
+        let mut order = [0, 1, 2];
+        order.swap(0, (stream.between(0.0, 3.0) as usize).min(2));
+        order.swap(1, 1 + (stream.between(0.0, 2.0) as usize).min(1));
+        for i in order {
+            ray -= normals[i] * (2.0 * ray.dot(&normals[i]));
+        }
+        let back = refracted(&ray, m);
+        let tangential = u * cosine + V::z() * sine;
+        let sagittal = V::z().cross(&u);
+        let off = back + arriving;
+        [off.dot(&tangential), off.dot(&sagittal)]
+    }
+}
+
+/// Refracts a unit vector at the face z = 0, whose components along the face are multiplied by
+/// `index`.
+fn refracted(ray: &V, index: f64) -> V {
+    let [x, y] = [ray.x * index, ray.y * index];
+    V::new(x, y, (1.0 - x * x - y * y).sqrt().copysign(ray.z))
+}
+
+/// Returns a histogram of the offsets (pixels) along the edge of a capture that rays through cubes
+/// with dihedral errors cause.
+fn thrown(params: &Params, index: usize, errors: Errors) -> Vec<(f64, f64)> {
+    const RAYS: usize = 400_000;
+    let shot = &params.captures[index];
+    let cubes = Cubes {
+        incidence_rad: shot.incidence_deg.to_radians(),
+        refractive_index: params.truth.refractive_index,
+        errors,
+    };
+    let normal = (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians();
+    let px = shot.floating_distance_mm / params.camera.pixel_pitch_mm;
+    let mut stream = Stream(0xd1ed << 20 | params.seed << 6 | index as u64);
+    let offset = |_| {
+        let [along, across] = cubes.ray(&mut stream);
+        px * (along * normal.cos() + across * normal.sin())
+    };
+    let mut offsets: Vec<f64> = (0..RAYS).map(offset).collect();
+    offsets.sort_by(f64::total_cmp);
+    // Groups of neighbours have their mean. Within a group the offsets vary by a thousandth of
+    // their variance.
+    let groups = offsets.chunks(RAYS / 400);
+    let mean = |group: &[f64]| group.iter().sum::<f64>() / group.len() as f64;
+    groups
+        .map(|group| (mean(group), group.len() as f64 / RAYS as f64))
+        .collect()
+}
+
+/// Takes a photograph with an effect. Another lens, and the sheet, are those of the mid-air
+/// photographs alone; the rest changes the reference too.
+pub(super) fn taken(
+    effect: Effect,
+    params: &Params,
+    index: Option<usize>,
+) -> Result<Vec<f32>, Error> {
+    let smear = |offsets: Vec<(f64, f64)>| {
+        let light = smeared(params, index, &offsets)?;
+        Ok(exposed(params, index, light))
+    };
+    let mut other = params.clone();
+    let camera = &mut other.camera;
+    let errors = match (effect, index) {
+        (Effect::Disc(radius_px), Some(_)) => return smear(disc(radius_px)),
+        (Effect::Dihedral(mrad), Some(i)) => Some((i, Errors::Each(1e-3 * mrad))),
+        (Effect::Common(mrad), Some(i)) => Some((i, Errors::Common(1e-3 * mrad))),
+        _ => None,
+    };
+    if let Some((i, errors)) = errors {
+        return smear(thrown(params, i, errors));
+    }
+    match effect {
+        Effect::Lens(sigma_px) if index.is_some() => camera.sigma_px = sigma_px,
+        Effect::Pupil(blur_px) => camera.pupil_cutoff_per_px = Some(blur_px.recip()),
+        Effect::Halo(share) => camera.halo_share = share,
+        Effect::Sharpening(strength) => camera.sharpening = strength,
+        _ => {}
+    }
+    let light = photograph(&other, index)?;
+    let Effect::After(after) = effect else {
+        return Ok(light);
+    };
+    let seen = Picture {
+        size: [params.camera.width, params.camera.height],
+        values: light.into_iter().map(f64::from).collect(),
+    };
+    let light = after.of(&seen).values.into_iter();
+    Ok(light.map(|v| v as f32).collect())
+}
+
+/// One effect with the range of its sizes.
+struct Drawn {
+    name: &'static str,
+    range: [f64; 2],
+    effect: fn(f64) -> Effect,
+}
+
+/// Standard deviation of the reference's lens, pixels.
+const SIGMA_PX: f64 = 0.55;
+
+const DRAWN: [Drawn; 11] = [
+    Drawn {
+        name: "nothing",
+        range: [0.1, 1.0],
+        effect: |_| Effect::None,
+    },
+    Drawn {
+        name: "disc of defocus, radius in px",
+        range: [0.1, 2.0],
+        effect: Effect::Disc,
+    },
+    Drawn {
+        name: "less sharp than the reference, px",
+        range: [0.1, 1.0],
+        effect: |px| Effect::Lens(SIGMA_PX.hypot(px)),
+    },
+    Drawn {
+        name: "sharper than the reference, px",
+        range: [0.1, 0.53],
+        effect: |px| Effect::Lens((SIGMA_PX.powi(2) - px * px).sqrt()),
+    },
+    Drawn {
+        name: "dihedral errors from cell to cell, mrad",
+        range: [0.005, 0.5],
+        effect: Effect::Dihedral,
+    },
+    Drawn {
+        name: "one dihedral error of all cells, mrad",
+        range: [0.005, 0.5],
+        effect: Effect::Common,
+    },
+    Drawn {
+        name: "round pupil, 1 / cut-off in px",
+        range: [0.5, 3.0],
+        effect: Effect::Pupil,
+    },
+    Drawn {
+        name: "halo of 20 px, share",
+        range: [0.001, 0.05],
+        effect: Effect::Halo,
+    },
+    Drawn {
+        name: "linear sharpening",
+        range: [0.03, 1.0],
+        effect: Effect::Sharpening,
+    },
+    Drawn {
+        name: "bilateral filter of 2 px, range in light",
+        range: [0.003, 0.2],
+        effect: |range| Effect::After(After::Bilateral(2.0, range)),
+    },
+    Drawn {
+        name: "JPEG of an ordinary camera, range of its filter",
+        range: [0.003, 0.1],
+        effect: |range| Effect::After(After::Ordinary(range)),
+    },
+];
+
+/// One drawn campaign.
+struct Outcome {
+    /// Place of the size in its range, 0 to 1 on a logarithmic scale.
+    place: f64,
+    verdict: Verdict,
+    /// Errors of c, a and mu in standard errors; infinite if a bound is wrong.
+    pulls: [Option<f64>; 3],
+    /// Whether a further blur, terms of the lens or noise reduction were found.
+    is_named: bool,
+}
+
+fn outcome(drawn: &Drawn, number: u64) -> Option<Outcome> {
+    const INCIDENCE: [f64; 3] = [0.0, 20.0, 35.0];
+    let mut stream = Stream(0xeffe << 20 | number);
+    let place = stream.between(0.0, 1.0);
+    let [least, most] = drawn.range;
+    let effect = (drawn.effect)(least * (most / least).powf(place));
+    let planted = [
+        stream.between(0.2, 0.5),
+        stream.between(2.0, 6.0),
+        stream.between(0.3, 0.8),
+    ];
+    let [c, a, mu] = planted;
+    let sheet = truth(Kernel::Eq1, LobeShape::Radial, a, c, mu);
+    let table = table(&sheet, &INCIDENCE, 20.0);
+    let electrons = 10_f64.powf(stream.between(4.0, 5.0));
+    let mut params = params(
+        number,
+        sheet,
+        &INCIDENCE,
+        &[150.0, 300.0],
+        camera(electrons),
+    );
+    params.camera.source_level = 0.7;
+    let source = trial::source(&params, |params, index| taken(effect, params, index));
+    let given = trial::campaign(&params, &[]);
+    let options = Options::new(Candidates::proposed());
+    let found = undiagnosed(&given, &source, &table, &options, &Progress::SILENT);
+    let found = match found {
+        Ok(found) => found,
+        Err(error) => {
+            println!("   {effect:?}: {error}");
+            return None;
+        }
+    };
+    Some(Outcome {
+        place,
+        verdict: found.goodness.verdict,
+        pulls: pulls(&found, planted),
+        is_named: is_named(&found),
+    })
+}
+
+fn pulls(found: &Estimated, planted: [f64; 3]) -> [Option<f64>; 3] {
+    let best = &found.best;
+    let is_eq1 = best.choice.kernel == Kernel::Eq1;
+    let bounded = |kind: ParameterKind, truth: f64| {
+        let bound = found.bounds.get(&kind.shared())?;
+        let holds = bound.at_most.is_none_or(|most| truth <= most)
+            && bound.at_least.is_none_or(|least| least <= truth);
+        Some(if holds { 0.0 } else { f64::INFINITY })
+    };
+    let [c, a, mu] = planted;
+    let pull = |own: estimator::estimate::Value, truth: f64| {
+        let pull = (own.value - truth) / own.standard_error;
+        pull
+    };
+    let shared = |all: &[estimator::estimate::Value], truth: f64| {
+        let pulls = all.iter().map(|own| pull(*own, truth));
+        pulls.max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    };
+    [
+        best.c_mm
+            .map(|own| pull(own, c))
+            .or_else(|| bounded(ParameterKind::CornerSize, c)),
+        shared(&best.spread, a).filter(|_| is_eq1),
+        best.mu.as_ref().and_then(|all| shared(all, mu)),
+    ]
+}
+
+fn is_named(found: &Estimated) -> bool {
+    let best = &found.best;
+    let lenses = found.scene.optics.camera.lenses.iter();
+    let terms = lenses
+        .filter_map(|lens| lens.departure.as_ref())
+        .any(|own| !own.terms.is_empty());
+    let said = ["hint at", "sharpened", "noise reduction"];
+    let shots = found.scene.shots.iter().flat_map(|shot| &shot.warnings);
+    let mut warnings = found
+        .warnings
+        .iter()
+        .chain(&found.scene.warnings)
+        .chain(shots);
+    best.own_blur_px.is_some()
+        || best.angular_spread_mrad.is_some()
+        || terms
+        || found
+            .scene
+            .shots
+            .iter()
+            .any(|shot| shot.reduced_noise.is_some())
+        || warnings.any(|own| said.iter().any(|word| own.contains(word)))
+}
+
+/// Prints verdicts and coverage of drawn campaigns by thirds of the range of each effect.
+#[test]
+#[ignore = "minutes: measures figures"]
+fn measured_effects() {
+    let of = |name: &str| std::env::var(name).ok();
+    let draws = of("DRAWS").and_then(|n| n.parse().ok()).unwrap_or(60);
+    let only = of("EFFECT");
+    for drawn in &DRAWN {
+        if only
+            .as_ref()
+            .is_some_and(|only| !drawn.name.contains(only.as_str()))
+        {
+            continue;
+        }
+        let all: Vec<Outcome> = (0..draws)
+            .into_par_iter()
+            .filter_map(|number| outcome(drawn, number))
+            .collect();
+        println!("{}: {} campaigns", drawn.name, all.len());
+        for third in 0..3 {
+            let rows = all.iter().filter(|own| (3.0 * own.place) as usize == third);
+            let rows: Vec<&Outcome> = rows.collect();
+            let size = |place: f64| drawn.range[0] * (drawn.range[1] / drawn.range[0]).powf(place);
+            print!(
+                "  {:.3} to {:.3}: {:3} ",
+                size(f64::from(third as u8) / 3.0),
+                size(f64::from(third as u8 + 1) / 3.0),
+                rows.len()
+            );
+            for verdict in [Verdict::Good, Verdict::Strained, Verdict::Poor] {
+                let own = rows.iter().filter(|own| own.verdict == verdict);
+                let own: Vec<&&Outcome> = own.collect();
+                print!("| {verdict:?} {:3} ", own.len());
+                for k in 0..3 {
+                    let pulls: Vec<f64> = own.iter().filter_map(|own| own.pulls[k]).collect();
+                    let inside = pulls.iter().filter(|pull| pull.abs() < 1.96).count();
+                    let worst = pulls.iter().map(|pull| pull.abs()).fold(0.0, f64::max);
+                    print!("{inside}/{} ({worst:.1}) ", pulls.len());
+                }
+            }
+            println!("| named {}", rows.iter().filter(|own| own.is_named).count());
+        }
+    }
+}
