@@ -106,7 +106,7 @@ def load(scene: Mapping[str, Any] | File) -> Any:
             return mi.load_dict(dict(scene))
         return mi.load_file(os.fspath(scene))
     except RuntimeError as error:
-        found = re.search(r"midair\._errors\.Error: (.*)", str(error), re.S)
+        found = re.search(r"^(?:midair\._errors\.)?Error: (.*)", str(error), re.S | re.M)
         if found is None:
             raise
         raise Error(" ".join(found[1].split())) from None
