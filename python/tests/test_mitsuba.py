@@ -68,6 +68,35 @@ class Furnace(Case):
         self.tell(len(own) + len(between), "directions")
 
 
+class Shifts(Case):
+    def test_drawn_shifts_have_the_transfer_function_of_the_table(self) -> None:
+        from midair.mitsuba._directions import Directions, grid_of
+
+        n, cases = 1 << 20, 0
+        table = midair.trace(
+            midair.design("triangular-pair"),
+            refractive_index=1.49,
+            incidence="0:50:5",
+            azimuth="full:5",
+        )
+        directions, generator = Directions(grid_of(table)), np.random.default_rng(2)
+        for incidence, azimuth in ((0, 0), (20, 30), (40, 75), (20, 17), (40, 197)):
+            numbers = [mi.Float(generator.random(n).astype(np.float32)) for _ in range(4)]
+            sine = mi.Float(np.full(n, np.sin(np.radians(incidence)), np.float32))
+            _, u, v, *_ = directions.draw(
+                sine, mi.Float(float(azimuth)), numbers[0], numbers[1], mi.Point2f(*numbers[2:])
+            )
+            shifts = np.stack([np.array(u), np.array(v)], axis=1)
+            for f in ([0.1, 0.0], [0.0, 0.2], [0.3, -0.2]):
+                mean = np.exp(-2j * np.pi * (shifts @ np.array(f))).mean()
+                truth = complex(table.otf(*f, incidence, azimuth))
+                # Noise: 5 / sqrt(n) = 0.005. Between directions the mixture of neighbours, 5
+                # degrees apart, differs from their polygons by less than 0.005.
+                self.assertLess(abs(mean - truth), 0.005 + (0.005 if azimuth % 5 else 0))
+                cases += 1
+        self.tell(cases, "frequencies")
+
+
 class Refusals(Case):
     def test_errors_name_the_remedy(self) -> None:
         table = midair.trace(
