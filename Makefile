@@ -6,7 +6,7 @@
 .NOTPARALLEL:
 .PHONY: all build install demo manual deny msrv table1 wheel bench-report fmt lint doc bench \
 	tools python rust clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx \
-	test-metrics test-python test-fuzz
+	test-metrics test-python test-fuzz beside-mitsuba
 
 CARGO = cargo
 PYTHON = python3
@@ -164,11 +164,14 @@ test-fuzz: rust tools
 			exit 1; done
 
 # MITSUBA_FIT: a script that does the published loop in Mitsuba (tests/beside_mitsuba.py says what
-# it takes); MITSUBA_PYTHON: an interpreter that has mitsuba and h5py; ROUNDS: how often both are
+# it takes), optional; MITSUBA_PYTHON: an interpreter with mitsuba, h5py and the wheel; ROUNDS: how often both are
 # timed, in turns.
 test-mitsuba: demo
+	@cd python/tests && $(or $(MITSUBA_PYTHON),$(PYTHON)) -m unittest test_mitsuba
 	@test -n "$(MITSUBA_FIT)" || { \
-		echo "test-mitsuba: MITSUBA_FIT names no script of the published loop" >&2; exit 1; }
+		echo "test-mitsuba: MITSUBA_FIT names no script of the published loop: not compared" >&2; }
+	@test -z "$(MITSUBA_FIT)" || $(MAKE) --no-print-directory beside-mitsuba
+beside-mitsuba:
 	@$(or $(MITSUBA_PYTHON),$(PYTHON)) tests/beside_mitsuba.py --peer "$(MITSUBA_FIT)" \
 		--rounds $(or $(ROUNDS),1)
 	@$(BIN)/fit render $(MITSUBA_SCENE) -o demo/aerial.exr

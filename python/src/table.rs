@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use tables::Fate;
 use tables::cli::Refused;
 
+use crate::eta;
 use crate::mesh::Mesh;
 use crate::work::run;
 use crate::{Words, refusal};
@@ -185,6 +186,21 @@ impl Table {
         let direction = self.table.direction(incidence_deg, azimuth_deg);
         let direction = direction.map_err(refusal)?;
         Ok((direction.retroreflected, direction.interpolated))
+    }
+
+    /// Returns eta at many directions, shape (n): that of `eta_at`, hundreds of times faster.
+    fn etas<'py>(
+        &self,
+        py: Python<'py>,
+        incidence_deg: PyReadonlyArray1<'py, f64>,
+        azimuth_deg: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (incidence, azimuth) = (incidence_deg.as_array(), azimuth_deg.as_array());
+        let pairs = incidence.iter().zip(azimuth.iter());
+        let directions: Vec<[f64; 2]> = pairs.map(|(&i, &a)| [i, a]).collect();
+        let table = Arc::clone(&self.table);
+        let made = py.detach(move || eta::at(&table, &directions));
+        Ok(made.map_err(refusal)?.into_pyarray(py))
     }
 
     /// Returns the probability of each shift per launched ray at a direction, shape (shift_v,

@@ -1,0 +1,372 @@
+"""Integrator `midair_path`: a path tracer that moves its paths at retroreflective sheets.
+
+On ordinary surfaces it is the usual one: emitters are sampled, and both ways to reach an emitter
+are weighted by the power heuristic. Where a path meets a sheet, one draw of shift and lobe moves
+its origin and turns it, and it goes on.
+"""
+
+from __future__ import annotations
+
+import warnings
+import weakref
+from dataclasses import dataclass
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+from midair._errors import Error, MidairWarning
+from midair.mitsuba import _sheet
+from midair.mitsuba._directions import choose, is_scalar
+from midair.mitsuba._keys import Keys
+
+KEYS = ["max_depth", "rr_depth", "guided", "loop"]
+LOOPS = ("auto", "symbolic", "evaluated")
+
+
+@dataclass
+class Found:
+    """What a scene holds that the integrator must know of."""
+
+    sheets: list[Any]
+    parameters: list[Any]
+
+
+def path_class(sheet: type, mirror: type) -> type:
+    """Return the class of the integrator for the current variant."""
+
+    class MidairPath(mi.SamplingIntegrator):  # type: ignore[misc, name-defined]
+        """Path tracer for scenes with sheets; doc/renderer.md lists the keys."""
+
+        def __init__(self, props: Any) -> None:
+            super().__init__(props)
+            keys = Keys(props, "midair_path", KEYS)
+            self.max_depth = _count(keys, "max_depth", -1)
+            self.rr_depth = _count(keys, "rr_depth", 5)
+            self.is_guided = bool(props.get("guided", False))
+            self.loop = keys.text("loop", "auto")
+            if self.loop not in LOOPS:
+                raise Error(
+                    f"midair_path: there is no loop {self.loop!r}; use {', '.join(LOOPS)}"
+                )
+            self._scenes: weakref.WeakKeyDictionary[Any, Found] | dict[int, Found] = {}
+
+        def _found(self, scene: Any) -> Found:
+            """Return the sheets of a scene. Each scene is searched once."""
+            key = id(scene)
+            if key not in self._scenes:
+                self._scenes = {key: search(scene, sheet)}
+                if not self._scenes[key].sheets:
+                    warnings.warn(
+                        "midair_path: the scene has no midair_sheet and no midair_plate, so this "
+                        "is an ordinary path tracer; give a shape the BSDF "
+                        '{"type": "midair_sheet"}',
+                        MidairWarning,
+                        stacklevel=3,
+                    )
+            return self._scenes[key]
+
+        def _mode(self, found: Found) -> str:
+            """Return how the loop runs: reverse derivatives need each turn in memory."""
+            if self.loop != "auto":
+                return str(self.loop)
+            # In the pass without derivatives, results of arithmetic have none.
+            is_followed = any(dr.grad_enabled(one * 1) for one in found.parameters)
+            return "evaluated" if is_followed else "symbolic"
+
+        def sample(
+            self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
+        ) -> tuple[Any, Any, list[Any]]:
+            found = self._found(scene)
+            step = _Step(self, scene, bool(found.sheets), sheet, mirror)
+            state = _State.of(ray, active)
+            _sheet.following += 1
+            try:
+                if is_scalar():
+                    while state.active:
+                        step(sampler, state)
+                else:
+
+                    def body(sampler: Any, state: _State) -> tuple[Any, _State]:
+                        step(sampler, state)
+                        return sampler, state
+
+                    limit = self.max_depth if self.max_depth > 0 else None
+                    _, state = dr.while_loop(
+                        (sampler, state),
+                        lambda sampler, state: state.active,
+                        body,
+                        labels=("sampler", "state"),
+                        mode=self._mode(found),
+                        max_iterations=limit,
+                        label="midair_path",
+                    )
+            finally:
+                _sheet.following -= 1
+            return choose(state.seen, state.light, 0), state.seen, []
+
+        def to_string(self) -> str:
+            return (
+                f"MidairPath[\n  max_depth = {self.max_depth},\n  rr_depth = {self.rr_depth},\n"
+                f"  guided = {self.is_guided}\n]"
+            )
+
+    return MidairPath
+
+
+class _State:
+    """State of a path between two surfaces."""
+
+    DRJIT_STRUCT: dict[str, Any]
+
+    @classmethod
+    def of(cls, ray: Any, active: Any) -> _State:
+        made = _state_class()()
+        made.ray = mi.Ray3f(ray)
+        made.light, made.factor = mi.Spectrum(0), mi.Spectrum(1)
+        made.eta, made.depth = mi.Float(1), mi.UInt32(0)
+        made.before = dr.zeros(mi.Interaction3f)
+        made.density, made.is_delta = mi.Float(1), mi.Bool(True)
+        made.returned, made.seen, made.active = mi.Bool(False), mi.Bool(False), mi.Bool(active)
+        return made
+
+
+def _state_class() -> type:
+    """Return the state for the current variant, which names the types of its fields."""
+    fields = {
+        "ray": mi.Ray3f,
+        "light": mi.Spectrum,
+        "factor": mi.Spectrum,
+        "eta": mi.Float,
+        "depth": mi.UInt32,
+        "before": mi.Interaction3f,
+        "density": mi.Float,
+        "is_delta": mi.Bool,
+        "returned": mi.Bool,
+        "seen": mi.Bool,
+        "active": mi.Bool,
+    }
+    return type("State", (_State,), {"DRJIT_STRUCT": fields})
+
+
+class _Step:
+    """One turn of the loop: from a surface to the next."""
+
+    def __init__(self, integrator: Any, scene: Any, has_sheets: bool, sheet: type, mirror: type):
+        self.integrator, self.scene, self.has_sheets = integrator, scene, has_sheets
+        self.sheet, self.mirror = sheet, mirror
+        self.limit = integrator.max_depth if integrator.max_depth >= 0 else 0xFFFFFFFF
+        self.context = mi.BSDFContext()
+        self.has_emitters = len(scene.emitters()) > 0
+
+    def __call__(self, sampler: Any, s: _State) -> None:
+        scene = self.scene
+        si = scene.ray_intersect(
+            s.ray, ray_flags=+mi.RayFlags.All, coherent=s.depth == 0, active=s.active
+        )
+        self._emission(si, s)
+        s.seen |= s.active & si.is_valid()
+        active = s.active & si.is_valid() & (s.depth + 1 < self.limit)
+        if is_scalar() and not active:
+            s.active = False
+            return
+        bsdf = si.bsdf(s.ray)
+        # One call of the BSDF gives both: its value towards the emitter, and a new direction.
+        has_lobe = active & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
+        ds, emitted = scene.sample_emitter_direction(si, sampler.next_2d(), True, has_lobe)
+        has_lobe &= ds.pdf != 0
+        wo = si.to_local(ds.d)
+        pick, point = sampler.next_1d(), sampler.next_2d()
+        value, density, bs, weight = bsdf.eval_pdf_sample(
+            self.context, si, wo, pick, point, active
+        )
+        value = si.to_world_mueller(value, -wo, si.wi)
+        ours = choose(ds.delta, 1, _heuristic(ds.pdf, density))
+        s.light = choose(has_lobe, s.light + s.factor * (value * emitted * ours), s.light)
+        weight = si.to_world_mueller(weight, -bs.wo, si.wi)
+        direction = bs.wo
+        is_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+        if self.has_sheets:
+            weight, direction, is_delta = self._sheets(
+                sampler, s, si, bsdf, pick, point, weight, direction, is_delta, active
+            )
+        s.ray = choose(active, si.spawn_ray(si.to_world(direction)), s.ray)
+        s.factor = choose(active, s.factor * weight, s.factor)
+        s.eta = choose(active, s.eta * bs.eta, s.eta)
+        s.before = choose(
+            active, mi.Interaction3f(si.t, si.time, si.wavelengths, si.p, si.n), s.before
+        )
+        s.density = choose(active, bs.pdf, s.density)
+        s.is_delta = choose(active, is_delta, s.is_delta)
+        s.depth = choose(si.is_valid() & active, s.depth + 1, s.depth)
+        s.active = active & self._goes_on(sampler, s)
+
+    def _emission(self, si: Any, s: _State) -> None:
+        """Add the light of an emitter that the path has met."""
+        if not self.has_emitters:
+            return
+        emitter = si.emitter(self.scene)
+        if is_scalar():
+            if emitter is None:
+                return
+            chance = 0.0
+            if not s.is_delta:
+                ds = mi.DirectionSample3f(self.scene, si, s.before)
+                chance = self.scene.pdf_emitter_direction(s.before, ds)
+            ours = _heuristic(s.density, chance)
+            s.light = s.light + s.factor * (emitter.eval(si) * ours)
+            return
+        ds = mi.DirectionSample3f(self.scene, si, s.before)
+        chance = self.scene.pdf_emitter_direction(s.before, ds, s.active & ~s.is_delta)
+        ours = _heuristic(s.density, choose(s.is_delta, 0, chance))
+        here = s.factor * (emitter.eval(si, s.active) * ours)
+        s.light = choose(s.active, s.light + here, s.light)
+
+    def _sheets(
+        self,
+        sampler: Any,
+        s: _State,
+        si: Any,
+        bsdf: Any,
+        pick: Any,
+        point: Any,
+        weight: Any,
+        direction: Any,
+        is_delta: Any,
+        active: Any,
+    ) -> tuple[Any, Any, Any]:
+        """Move and turn the paths that have met a sheet, and guide those at half mirrors."""
+        guides = self.integrator.is_guided
+        sheet, mirror = self.sheet, self.mirror
+        slot, lobe, spread = sampler.next_1d(), sampler.next_2d(), sampler.next_2d()
+
+        def follow(self: Any, si: Any, s: Any, active: Any) -> tuple[Any, Any, Any, Any, Any]:
+            none = mi.Bool(False)
+            if isinstance(self, sheet):
+                w, shift, out = self.follow(si, *s[:-1], active)
+                return w, shift, out, mi.Bool(True), none
+            if guides and isinstance(self, mirror):
+                w, out = self.guided(si, s[-1])
+                return w, mi.Vector3f(0), out, none, mi.Bool(True)
+            return mi.Spectrum(0), mi.Vector3f(0), mi.Vector3f(0, 0, 1), none, none
+
+        given = (pick, point, slot, lobe, spread, s.returned)
+        if is_scalar():
+            made = follow(bsdf, si, given, active)
+        else:
+            made = dr.dispatch(bsdf, follow, si, given, active)
+        w, shift, out, at_sheet, at_mirror = made
+        at_sheet, at_mirror = active & at_sheet, active & at_mirror
+        moved = si.p + si.sh_frame.s * shift.x + si.sh_frame.t * shift.y
+        inside = self._is_on_sheet(si, moved, shift, at_sheet)
+        w = choose(at_sheet & _isnt(inside), 0, w)
+        si.p = choose(at_sheet, moved, si.p)
+        s.returned |= at_sheet
+        either = at_sheet | at_mirror
+        return (
+            choose(either, w, weight),
+            choose(either, out, direction),
+            either | is_delta,
+        )
+
+    def _is_on_sheet(self, si: Any, moved: Any, shift: Any, active: Any) -> Any:
+        """Return whether a moved place still lies on its sheet: a short ray across it tells."""
+        if is_scalar() and not active:
+            return False
+        # Long enough for the sag of a curved sheet and for the rounding of coordinates.
+        place = dr.detach(moved)
+        size = dr.maximum(dr.max(dr.abs(place)), 1)
+        reach = 0.1 * dr.norm(dr.detach(shift)) + 1e-5 * size
+        normal = mi.Vector3f(si.n)
+        probe = mi.Ray3f(
+            place + reach * normal, -normal, 2 * reach, si.time, si.wavelengths
+        )
+        hit = self.scene.ray_intersect_preliminary(probe, coherent=False, active=active)
+        same = hit.is_valid()
+        if is_scalar():
+            return same and hit.shape == si.shape
+        return same & (hit.shape == si.shape) & (hit.instance == si.instance)
+
+    def _goes_on(self, sampler: Any, s: _State) -> Any:
+        """Return whether paths go on: those without light end, long ones by chance."""
+        brightest = dr.max(mi.unpolarized_spectrum(s.factor))
+        goes_on = brightest != 0
+        chance = dr.detach(dr.minimum(brightest * dr.square(s.eta), 0.95))
+        by_chance = s.depth >= self.integrator.rr_depth
+        s.factor = choose(by_chance, s.factor / dr.maximum(chance, 1e-12), s.factor)
+        return goes_on & (_isnt(by_chance) | (sampler.next_1d() < chance))
+
+
+def _heuristic(ours: Any, other: Any) -> Any:
+    """Return the weight of a sample by the power heuristic; derivatives do not follow it."""
+    a, b = dr.square(ours), dr.square(other)
+    return dr.detach(choose(a > 0, a / dr.maximum(a + b, 1e-30), 0))
+
+
+def _isnt(mask: Any) -> Any:
+    """Return the opposite of a mask; ~ of a bool of Python is a number."""
+    return not mask if isinstance(mask, bool) else ~mask
+
+
+def _count(keys: Keys, name: str, default: int) -> int:
+    value = keys.props.get(name, default)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or value != int(value):
+        raise Error(f"midair_path: {name} is {value!r}; give a whole number")
+    if value < -1 or (name == "rr_depth" and value < 1):
+        raise Error(f"midair_path: {name} is {value:g}; give 1 or more" + (
+            ", or -1 for no limit" if name == "max_depth" else ""))
+    return int(value)
+
+
+def search(scene: Any, sheet: type) -> Found:
+    """Return the sheets of a scene, instances included.
+
+    Raises
+    ------
+    Error
+        If a sheet lies inside another BSDF, which would lose its shift, or if azimuth 0 is not
+        defined on a mesh.
+    """
+    found = Found([], [])
+    seen: set[Any] = set()
+
+    class Walk(mi.TraversalCallback):  # type: ignore[misc, name-defined]
+        def __init__(self, owner: Any) -> None:
+            super().__init__()
+            self.owner = owner
+
+        def put(self, name: str, value: Any, flags: Any, kind: Any = None) -> None:
+            if isinstance(value, mi.Object):
+                visit(value, self.owner)
+                return
+            if kind is not None:
+                value = mi.get_property(value, kind, self.owner)
+            if dr.is_diff_v(value) and dr.is_float_v(value):
+                found.parameters.append(value)
+
+    def visit(thing: Any, owner: Any) -> None:
+        if isinstance(thing, sheet):
+            _check(thing, owner)
+            if thing not in found.sheets:
+                found.sheets.append(thing)
+        if id(thing) in seen:
+            return
+        seen.add(id(thing))
+        thing.traverse(Walk(thing))
+
+    visit(scene, None)
+    return found
+
+
+def _check(sheet: Any, owner: Any) -> None:
+    if isinstance(owner, mi.BSDF):
+        raise Error(
+            f"{sheet.plugin}: lies inside of {owner.class_name()}, which would lose the shift; "
+            "give it to the shape itself (its back reflects nothing)"
+        )
+    is_mesh = isinstance(owner, mi.Mesh)
+    if is_mesh and sheet.first_edge is None and not owner.has_vertex_texcoords():
+        raise Error(
+            f"{sheet.plugin}: its mesh has no texture coordinates, so azimuth 0 is not defined; "
+            "give first_edge, a vector in the sheet such as [1, 0, 0]"
+        )
