@@ -399,10 +399,16 @@ impl Cube {
     fn new(paths: &[&Path], foot: [f64; 2], cosine: f64, normal: [f64; 2]) -> Cube {
         let turned =
             |x: f64, y: f64| [normal[0] * x + normal[1] * y, normal[0] * y - normal[1] * x];
+        let is_tilted = paths.iter().any(|path| astray(path) > STRAIGHT);
         let seen = |path: &&Path| {
             let leaving = |p: &[f64; 2]| {
                 let shift = path.shift(*p);
-                let [x, y] = [0, 1].map(|k| p[k] + shift[k] - foot[k]);
+                // Without a tilt, pieces that touch before the sheet touch behind it too, whatever
+                // rounding their maps have.
+                let [x, y] = [0, 1].map(|k| match is_tilted {
+                    true => p[k] + shift[k] - foot[k],
+                    false => foot[k] - p[k],
+                });
                 turned(x * cosine, y)
             };
             let [across, along] = path.deviation;
@@ -422,7 +428,6 @@ impl Cube {
             .iter()
             .flat_map(|a| paths.iter().map(|b| product(a, b)))
             .collect();
-        let is_tilted = paths.iter().any(|path| astray(path) > STRAIGHT);
         Cube {
             pieces: pieces.len(),
             is_scalar: products.iter().all(|product| product.im == 0.0),
@@ -460,11 +465,10 @@ impl Cube {
         match &self.aperture {
             Aperture::Straight(strips) => {
                 let own = strips.iter().map(|strip| {
-                    let end = |end: usize| {
-                        let chords = strip.chords.iter();
-                        width(&mut chords.flat_map(|chord| [chord.low[end], chord.high[end]]))
-                    };
-                    end(0).max(end(1))
+                    let chords = strip.chords.iter();
+                    width(&mut chords.flat_map(|chord| {
+                        [chord.low[0], chord.low[1], chord.high[0], chord.high[1]]
+                    }))
                 });
                 own.fold(0.0, f64::max)
             }

@@ -129,7 +129,7 @@ fn linear(code: f64) -> f64 {
 }
 
 impl After {
-    pub fn of(self, seen: &Picture) -> Picture {
+    pub(super) fn of(self, seen: &Picture) -> Picture {
         let luminance = |channels: [Picture; 3]| {
             seen.map(|x, y| {
                 let parts = channels.iter().zip([0.2126, 0.7152, 0.0722]);
