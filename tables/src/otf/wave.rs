@@ -641,12 +641,9 @@ fn common(
         for (line, motion, sign) in [(high.0, high.1, width), (low.0, low.1, -width)] {
             let centre = at(&line, middle);
             let half = 0.5 * (line[1] - line[0]) * width;
-            let even = cosines(wave, centre, half);
-            let odd = if is_scalar {
-                [0.0; 3]
-            } else {
-                sines(wave, centre, half)
-            };
+            let means = Means::new(wave, centre, half);
+            let even = means.even();
+            let odd = if is_scalar { [0.0; 3] } else { means.odd() };
             let motions = [1.0, motion, 1.0];
             for k in 0..3 {
                 sum[k] += sign * motions[k] * (product.re * even[k] + product.im * odd[k]);
@@ -656,41 +653,81 @@ fn common(
     sum
 }
 
-/// Returns the means over x from centre - half to centre + half of sin(wave x)/wave, of its
-/// derivative by x, and of that by wave.
-fn cosines(wave: f64, centre: f64, half: f64) -> [f64; 3] {
-    let (across, across_slope) = sinc(wave * half);
-    let (along, along_slope) = sinc(wave * centre);
-    [
-        centre * along * across,
-        (wave * centre).cos() * across,
-        centre * (centre * along_slope * across + along * half * across_slope),
-    ]
+/// Means over x from centre - half to centre + half, at a wave.
+struct Means {
+    wave: f64,
+    centre: f64,
+    half: f64,
+    sin: f64,
+    cos: f64,
+    /// sinc(wave half) and its derivative.
+    across: [f64; 2],
 }
 
-/// Returns the means over x from centre - half to centre + half of (1 - cos(wave x))/wave, of its
-/// derivative by x, and of that by wave.
-///
-/// The closed form cancels near wave = 0: two terms of the series then leave out (wave x)^4 / 360.
-fn sines(wave: f64, centre: f64, half: f64) -> [f64; 3] {
-    const SERIES: f64 = 1e-3;
-    let (across, across_slope) = sinc(wave * half);
-    let (sin, cos) = (wave * centre).sin_cos();
-    let by_place = sin * across;
-    let (c2, h2) = (centre * centre, half * half);
-    if wave.abs() * centre.abs().max(half.abs()) < SERIES {
-        let second = c2 + h2 / 3.0;
-        let fourth = c2 * c2 + 2.0 * c2 * h2 + h2 * h2 / 5.0;
-        let square = wave * wave;
-        return [
-            wave * (second / 2.0 - square * fourth / 24.0),
-            by_place,
-            second / 2.0 - square * fourth / 8.0,
-        ];
+impl Means {
+    fn new(wave: f64, centre: f64, half: f64) -> Means {
+        let (sin, cos) = (wave * centre).sin_cos();
+        let (across, slope) = sinc(wave * half);
+        Means {
+            wave,
+            centre,
+            half,
+            sin,
+            cos,
+            across: [across, slope],
+        }
     }
-    let value = (1.0 - cos * across) / wave;
-    let by_wave = (centre * sin * across - cos * half * across_slope - value) / wave;
-    [value, by_place, by_wave]
+
+    /// Returns the means of sin(wave x)/wave, of its derivative by x, and of that by wave.
+    fn even(&self) -> [f64; 3] {
+        let &Means {
+            centre, half, cos, ..
+        } = self;
+        let [across, across_slope] = self.across;
+        let place = self.wave * centre;
+        let (along, along_slope) = if place.abs() < 0.5 {
+            sinc(place)
+        } else {
+            let along = self.sin / place;
+            (along, (cos - along) / place)
+        };
+        [
+            centre * along * across,
+            cos * across,
+            centre * (centre * along_slope * across + along * half * across_slope),
+        ]
+    }
+
+    /// Returns the means of (1 - cos(wave x))/wave, of its derivative by x, and of that by wave.
+    ///
+    /// The closed form cancels near wave = 0: two terms of the series then leave out (wave x)^4 /
+    /// 360.
+    fn odd(&self) -> [f64; 3] {
+        const SERIES: f64 = 1e-3;
+        let &Means {
+            wave,
+            centre,
+            half,
+            sin,
+            cos,
+            across: [across, across_slope],
+        } = self;
+        let by_place = sin * across;
+        let (c2, h2) = (centre * centre, half * half);
+        if wave.abs() * centre.abs().max(half.abs()) < SERIES {
+            let second = c2 + h2 / 3.0;
+            let fourth = c2 * c2 + 2.0 * c2 * h2 + h2 * h2 / 5.0;
+            let square = wave * wave;
+            return [
+                wave * (second / 2.0 - square * fourth / 24.0),
+                by_place,
+                second / 2.0 - square * fourth / 8.0,
+            ];
+        }
+        let value = (1.0 - cos * across) / wave;
+        let by_wave = (centre * sin * across - cos * half * across_slope - value) / wave;
+        [value, by_place, by_wave]
+    }
 }
 
 #[cfg(test)]
