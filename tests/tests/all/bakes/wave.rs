@@ -1,6 +1,8 @@
 //! The kernel `wave` on the command line: estimate, prediction, and refusals if the table or the
 //! wavelength does not allow it.
 
+use std::path::Path;
+
 use serde_json::Value;
 use tests::estimate::{json, numbers};
 use tests::files::{argument, bake_table, bake_table_with};
@@ -108,12 +110,18 @@ fn waves_from_photographs_to_prediction() {
         assert_eq!(said.count(), drafts, "{form}: {}", made.err);
     }
 
-    // Scalar waves of cubes that reflect totally are wrong: they are not chosen, and the first line
-    // of whatever uses them says so.
+    // Scalar waves of cubes that reflect totally are wrong. Where a table does not hold how they turn
+    // the polarisation, waves are not chosen, and the first line of whatever uses them says so.
     let bare = here.join("bare");
     std::fs::create_dir(&bare).unwrap();
     let total = bake_table_with(&bare, "triangular-pair", "0,30", "30", "--back tir");
     let total = bare.join(total).display().to_string();
+    let mut older = tables::read(Path::new(&total)).unwrap();
+    let paths = older.exact.iter_mut().flat_map(|exact| &mut exact.paths);
+    for path in paths.flatten() {
+        assert!(path.jones.take().is_some());
+    }
+    tables::write(&older, Path::new(&total)).unwrap();
     let tried = estimate(&total, manifest, "auto");
     assert_eq!(tried.code, Some(0), "{}", tried.err);
     assert!(
@@ -139,14 +147,14 @@ fn waves_from_photographs_to_prediction() {
     ];
     for made in &runs {
         assert_eq!(made.code, Some(0), "{}: {}", made.line, made.err);
-        first_warning(made, "total reflection");
+        first_warning(made, "polarisation");
     }
     let told = json(&here.join("bare.json"));
     assert!(
         told["warnings"][0]
             .as_str()
             .unwrap()
-            .contains("total reflection")
+            .contains("polarisation")
     );
 
     // Cubes smaller than the light are no subject of these waves either.
@@ -177,7 +185,9 @@ fn first_warning(made: &Run, text: &str) {
 ///
 /// The expected MTF is that of the aperture by two-dimensional transforms in numpy, on rasters of
 /// 1024 and 2048 points, which agree to 1e-4; with errors it has the phases of the six facet
-/// orders. `fit` leaves these out, and warns from an error of 0.01 on.
+/// orders on one aperture. The raster allows 1e-4, its four digits 5e-5, and the second order in the
+/// deviation d of 0.24 mrad, 2 pi c/wavelength d^2, 1.3e-4. `fit` has each order where its rays leave,
+/// which moves six sides of half an edge by up to 0.6 d: 7e-4 of the aperture.
 #[test]
 fn waves_are_continuous_in_the_errors_of_cubes() {
     let folder = tempfile::tempdir().unwrap();
@@ -197,7 +207,7 @@ fn waves_are_continuous_in_the_errors_of_cubes() {
         ("e.obj", &errors("0.05"), 0.015, true),
     ];
     let mut compared = 0;
-    for (mesh, options, allowed, warned) in &cases {
+    for (mesh, options, allowed, is_bent) in &cases {
         let words = format!("design triangular-pair -o {mesh}");
         bake(here, &format!("{words} {edge} {options}"));
         if *mesh == "six.obj" {
@@ -210,16 +220,10 @@ fn waves_are_continuous_in_the_errors_of_cubes() {
         let place = "--distance 150 --incidence 0 --frequency 0.15,0.3,0.6";
         let made = fit(here, &format!("{words} {place} --json"));
         assert_eq!(made.code, Some(0), "{mesh}: {}", made.err);
-        assert_eq!(
-            made.err.contains("takes them as exact"),
-            *warned,
-            "{mesh}: {}",
-            made.err
-        );
         let found: Value = serde_json::from_str(&made.out).unwrap();
         let references = [
             Some((exact, *allowed)),
-            warned.then_some((with_errors, 0.015)),
+            is_bent.then_some((with_errors, 1e-3)),
         ];
         for (expected, allowed) in references.into_iter().flatten() {
             for (place, expected) in found["predictions"]
