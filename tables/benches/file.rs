@@ -97,6 +97,7 @@ fn exact() -> Table {
             paths: vec![vec![path]; DIRECTIONS],
         }),
         provenance,
+        passage: None,
     }
 }
 

@@ -43,6 +43,14 @@ pub enum Error {
     /// Direction that the table cannot answer for, with the remedy.
     #[error("{0}")]
     Direction(String),
+    /// Table that does not say how its cubes turn the polarisation.
+    #[error(
+        "polarised light needs to know how each path turns the polarisation, which the table does \
+        not hold (it has losses or total reflection, and no Jones matrices); bake it again with \
+        --method exact and single azimuths, or leave polarisation, analyser, retarder and half \
+        mirrors with s and p out"
+    )]
+    Polarised,
     /// Extension of a plot that is not .svg.
     #[error("{}: the extension must be .svg; browsers show and print SVG, and Inkscape makes PNG or PDF \
         of it", .0.display())]

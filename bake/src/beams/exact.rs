@@ -131,6 +131,7 @@ impl Baked {
             exact: Some(self.exact),
             deviations: None,
             provenance,
+            passage: None,
         }
     }
 }

@@ -101,6 +101,12 @@ pub enum Error {
         given: String,
         differs: String,
     },
+    /// Table of a result of polarised light that is not seen through it.
+    #[error(
+        "the result is of polarised light, and the table is seen by unpolarised light; give the \
+        table that ResultFile::seen returns"
+    )]
+    Unpolarised,
     /// Incidence at which nothing is retroreflected.
     #[error(
         "nothing is retroreflected at incidence {incidence_deg} deg; name a smaller --incidence"

@@ -80,6 +80,7 @@ pub fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> T
             entrance_area: 4.0 * cubes * 0.75_f64.sqrt(),
             paths,
         }),
+        passage: None,
         provenance: Provenance {
             generator: "closed form".into(),
             design: "ideal".into(),

@@ -52,6 +52,12 @@ pub enum Error {
         {MOST_CORNERS}; use fit render"
     )]
     ManyCorners { corners: usize },
+    /// Page for polarised light.
+    #[error(
+        "a page with sliders knows unpolarised light only; use fit render or fit predict for \
+        polarised light"
+    )]
+    Polarised,
     /// View file that cannot be read.
     #[error(transparent)]
     CameraView(#[from] edges::document::Error),

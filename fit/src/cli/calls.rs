@@ -203,7 +203,8 @@ pub fn render(
     let source = source
         .into_picture(arguments.transfer)
         .map_err(Failure::from)?;
-    let sheet = Fitted::new(result, table).map_err(Failure::from)?;
+    let table = result.seen(table).map_err(Failure::from)?;
+    let sheet = Fitted::new(result, &table).map_err(Failure::from)?;
     let pool = terminal::pool(arguments.threads).map_err(Failure::from)?;
     let wanted = arguments.wanted(&sheet, source.width, camera)?;
     let made = pool.install(|| wanted.image(&sheet, &source, SILENT));
@@ -226,7 +227,8 @@ pub fn explore(
     let picture = source.map(|held| held.into_picture(arguments.transfer));
     let picture = picture.transpose().map_err(Failure::from)?;
     let source = picture.as_ref().map(|own| (Path::new("picture"), own));
-    let sheet = Fitted::new(result, table).map_err(Failure::from)?;
+    let table = result.seen(table).map_err(Failure::from)?;
+    let sheet = Fitted::new(result, &table).map_err(Failure::from)?;
     let title = "estimate in Python".into();
     let made = explore::made(&arguments, sheet, title, source, &|_| ())?;
     Ok((made.html, output::json(&made.facts)))

@@ -206,6 +206,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
                 .into(),
         ),
     };
+    let table = result.seen(&table)?;
     let sheet = Fitted::new(&result, &table)?;
     let picture = match &arguments.source {
         None => None,

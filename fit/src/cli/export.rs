@@ -64,6 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     let result = read_result(&arguments.result)?;
     let table = tables::read(&arguments.table)?;
+    let table = result.seen(&table)?;
     let azimuth = arguments.azimuth.or(parse::only_azimuth(&table));
     let lobe = nearest(
         &result,

@@ -256,6 +256,7 @@ pub(super) fn predicted(
     result: &ResultFile,
     table: &Table,
 ) -> Result<Predicted, Failure> {
+    let table = &*result.seen(table)?;
     let mut places = Places {
         floating_distance_mm: arguments.distance.clone(),
         incidence_deg: arguments.incidence.clone(),

@@ -298,6 +298,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let started = Instant::now();
     let source = pool.install(|| photo::load_colour(&arguments.source, arguments.transfer))?;
     let result = arguments.result(&table, source.width)?;
+    let table = result.seen(&table)?;
     let sheet = Fitted::new(&result, &table)?;
     let camera = arguments.camera()?;
     let read = started.elapsed().as_secs_f64();

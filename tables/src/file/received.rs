@@ -202,6 +202,7 @@ pub(crate) fn table(from: impl BufRead) -> io::Result<Table> {
             exact: exact(&mut items, i * j)?,
             deviations: None,
             provenance: provenance(&mut items)?,
+            passage: None,
         },
     };
     check::check(&table).map_err(|error| wrong(&error.to_string()))?;

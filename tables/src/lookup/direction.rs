@@ -321,7 +321,7 @@ impl GridCell<'_> {
                 self.paths(exact, self.along.0, self.across.0)
             }
         });
-        Direction {
+        let direction = Direction {
             incidence_deg,
             azimuth_deg,
             retroreflected: eta,
@@ -331,6 +331,10 @@ impl GridCell<'_> {
             interpolated,
             paths,
             exits: self.exits(),
+        };
+        match &table.passage {
+            Some(passage) => passage.seen(direction),
+            None => direction,
         }
     }
 

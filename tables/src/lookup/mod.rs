@@ -7,3 +7,4 @@ pub(crate) mod between;
 pub(crate) mod direction;
 pub(crate) mod family;
 pub(crate) mod moved;
+pub(crate) mod passage;

@@ -99,6 +99,7 @@ pub(crate) fn join(tables: &[Table], axes: Axes) -> Result<Table, Error> {
         rays: Array2::zeros((n, m)),
         exact: None,
         deviations: None,
+        passage: None,
         provenance: Provenance {
             // Nobody has checked the interpolation in the gaps between the tables.
             direction_tolerance: None,

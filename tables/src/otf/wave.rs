@@ -12,8 +12,10 @@
 //!
 //! `OTF(nu) = 1/P sum_ab tr(J_a J_b^H)/2 int over (K'_a and K'_b - s) of exp(-4 pi i nu.(y + s/2)) dy`.
 //!
-//! With ideal mirrors all J are alike. Then this is the scalar OTF, the integral of
-//! cos(4 pi nu.(y + s/2)) over the overlap of K' and K' - s. For lambda -> 0 it is the OTF of the
+//! It is real, because the way back along a facet order is the order turned round. Behind polarisers
+//! ([`crate::Passage`]) it is complex where the two ways differ. With ideal mirrors all J are alike.
+//! Then this is the scalar OTF, the integral of cos(4 pi nu.(y + s/2)) over the overlap of K' and
+//! K' - s. For lambda -> 0 it is the OTF of the
 //! ray shift; for a small K' it is the autocorrelation of the aperture. Against a vector calculation
 //! the scalar OTF of aluminium is right to 0.003, and that of totally reflecting prisms is wrong by
 //! half (Murphy and Goodrow, Applied Optics 52, 2013, measured their Strehl ratio of 0.264).
@@ -158,8 +160,9 @@ struct Cube {
     /// tr(J_a J_b^H)/2 in row-major order.
     products: Vec<Complex64>,
     pieces: usize,
-    /// Whether all products are real, so that only cosines count.
-    is_scalar: bool,
+    /// Whether all pieces have one amplitude, or amplitudes that do not change if the aperture is
+    /// turned by half a turn: then only cosines count.
+    is_even: bool,
 }
 
 /// Wave OTF of one direction along one line, for a spectrum.
@@ -229,19 +232,18 @@ impl WaveLine {
                 .collect(),
             cubes,
         };
-        line.power = line.overlap([0.0; 3])[0];
+        line.power = line.overlap([0.0; 3])[0].re;
         Ok(line)
     }
 
     /// Returns the OTF and its derivative by ln c at a frequency >= 0 in 1/mm.
     ///
     /// `c_mm` is the corner size and `r_mm` the floating distance, both in mm. The OTF is 1 at 0. It
-    /// is real, because the way back along a facet order is the order turned round. The only error
-    /// is rounding, about 1e-14, but for the derivative of cubes with dihedral errors, which is a
+    /// is that of light at x in the image, exp(-2 pi i frequency x). The only error is rounding, about 1e-14, but for the derivative of cubes with dihedral errors, which is a
     /// difference and errs by 1e-7. A cube of one piece and a line of the spectrum take 1 us, one of
     /// six orders some 30 us.
-    pub fn otf(&self, c_mm: f64, r_mm: f64, frequency: f64) -> (f64, f64) {
-        let (mut value, mut slope) = (0.0, 0.0);
+    pub fn otf(&self, c_mm: f64, r_mm: f64, frequency: f64) -> (Complex64, Complex64) {
+        let (mut value, mut slope) = (Complex64::ZERO, Complex64::ZERO);
         for &(wavelength_mm, share) in &self.lines {
             let at = |c_mm: f64| {
                 let lag = wavelength_mm * r_mm * frequency / c_mm;
@@ -256,14 +258,28 @@ impl WaveLine {
                 continue;
             }
             let [overlap, by_lag, by_wave] = self.overlap(here);
-            value += share * overlap;
-            slope += share * (wave * by_wave - lag * by_lag);
+            value += overlap * share;
+            slope += share * (by_wave * wave - by_lag * lag);
             if self.is_tilted() {
                 let [less, more] = [-STEP, STEP].map(|step| self.tilted(at(c_mm * step.exp())));
                 slope += share * (more - less) / (2.0 * STEP);
             }
         }
         (value, slope)
+    }
+
+    /// Returns the OTF of the diffraction alone, as if the cubes did not shift light: the
+    /// autocorrelation of the aperture. Arguments are those of [`WaveLine::otf`].
+    pub fn diffraction(&self, c_mm: f64, r_mm: f64, frequency: f64) -> f64 {
+        let of_line = |&(wavelength_mm, share): &(f64, f64)| {
+            let lag = wavelength_mm * r_mm * frequency / c_mm;
+            let turn = 2.0 * PI * c_mm / wavelength_mm;
+            match lag < self.reach {
+                true => share * self.overlap([lag, 0.0, turn])[0].norm(),
+                false => 0.0,
+            }
+        };
+        self.lines.iter().map(of_line).sum()
     }
 
     /// Returns -dOTF/d|f| at zero frequency, mm: the kink that gives an edge its 1/x tails.
@@ -276,10 +292,10 @@ impl WaveLine {
         const APART: f64 = 1e-7;
         let of_line = |&(wavelength_mm, share): &(f64, f64)| {
             let turn = 2.0 * PI * c_mm / wavelength_mm;
-            let straight = self.overlap([NEAR * self.reach, 0.0, turn])[1];
+            let straight = self.overlap([NEAR * self.reach, 0.0, turn])[1].re;
             let tilted = if self.is_tilted() {
                 let step = APART * self.reach;
-                (self.tilted([step, 0.0, turn]) - self.tilted([0.0, 0.0, turn])) / step
+                (self.tilted([step, 0.0, turn]) - self.tilted([0.0, 0.0, turn])).re / step
             } else {
                 0.0
             };
@@ -322,8 +338,8 @@ impl WaveLine {
     ///
     /// `at` is the lag, 4 pi c nu and 2 pi c / lambda; lengths are edge lengths. The derivatives by
     /// lag and by 4 pi c nu follow, without the part of tilted pieces.
-    fn overlap(&self, at @ [lag, wave, _]: [f64; 3]) -> [f64; 3] {
-        let mut sum = [0.0; 3];
+    fn overlap(&self, at @ [lag, wave, _]: [f64; 3]) -> [Complex64; 3] {
+        let mut sum = [Complex64::ZERO; 3];
         for cube in &self.cubes {
             let Aperture::Straight(strips) = &cube.aperture else {
                 continue;
@@ -333,9 +349,9 @@ impl WaveLine {
                     for behind in &strip.chords {
                         let product = cube.product(ahead.piece, behind.piece);
                         let weight = strip.width / self.power;
-                        let part = common(ahead, behind, [lag, wave], product, cube.is_scalar);
+                        let part = common(ahead, behind, [lag, wave], product, cube.is_even);
                         for (sum, part) in sum.iter_mut().zip(part) {
-                            *sum += weight * part;
+                            *sum += part * weight;
                         }
                     }
                 }
@@ -349,8 +365,8 @@ impl WaveLine {
     ///
     /// At the middle m of two points of the pupil that are the lag apart, their phases differ by
     /// turn ((t_a - t_b).m - (t_a + t_b).lag/2), each counted from the fixed point of its path.
-    fn tilted(&self, [lag, wave, turn]: [f64; 3]) -> f64 {
-        let mut sum = 0.0;
+    fn tilted(&self, [lag, wave, turn]: [f64; 3]) -> Complex64 {
+        let mut sum = Complex64::ZERO;
         for cube in &self.cubes {
             let Aperture::Tilted(pieces) = &cube.aperture else {
                 continue;
@@ -368,7 +384,7 @@ impl WaveLine {
                     let common =
                         -turn * (0.5 * lag * (a.tilt[0] + b.tilt[0]) + a.origin - b.origin);
                     let light = cube.product(i, j) * Complex64::cis(common) * over.at(1.0).0;
-                    sum += light.re * area(&both) / self.power;
+                    sum += light * (area(&both) / self.power);
                 }
             }
         }
@@ -430,7 +446,8 @@ impl Cube {
             .collect();
         Cube {
             pieces: pieces.len(),
-            is_scalar: products.iter().all(|product| product.im == 0.0),
+            is_even: paths.iter().all(|path| path.jones.is_none())
+                || products.iter().all(|&own| own == products[0]),
             products,
             aperture: if is_tilted {
                 Aperture::Tilted(pieces)
@@ -583,8 +600,8 @@ fn strips(pieces: &[Piece]) -> Vec<Strip> {
     cuts.windows(2).map(strip).collect()
 }
 
-/// Returns the mean over a strip of the real part of `product` times the integral of
-/// exp(-i wave m) over the overlap of two chords.
+/// Returns the mean over a strip of `product` times the integral of exp(-i wave m) over the overlap
+/// of two chords; of its real part if `is_even`, because the sines cancel over the pairs then.
 ///
 /// The overlap goes from where both chords have begun to where one ends. The chord `ahead` is moved
 /// by +lag/2, the other by -lag/2. The derivatives by lag and by wave follow.
@@ -593,8 +610,8 @@ fn common(
     behind: &Chord,
     [lag, wave]: [f64; 2],
     product: Complex64,
-    is_scalar: bool,
-) -> [f64; 3] {
+    is_even: bool,
+) -> [Complex64; 3] {
     let moved = |side: EndValues, by: f64| side.map(|end| end + by * lag);
     // Beginnings and ends of the chords, each with its motion by lag.
     let lows = [
@@ -608,7 +625,7 @@ fn common(
     // Most pieces of a cube lie beside each other at most lags.
     let apart = |low: &EndValues, high: &EndValues| low[0] >= high[0] && low[1] >= high[1];
     if apart(&lows[0].0, &highs[1].0) || apart(&lows[1].0, &highs[0].0) {
-        return [0.0; 3];
+        return [Complex64::ZERO; 3];
     }
     // Between the crossings of these lines, one beginning and one end bound the overlap throughout.
     let mut cuts = [0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
@@ -625,7 +642,7 @@ fn common(
     }
     cuts[..count].sort_by(f64::total_cmp);
     let at = |line: &EndValues, place: f64| line[0] + (line[1] - line[0]) * place;
-    let mut sum = [0.0; 3];
+    let mut sum = [Complex64::ZERO; 3];
     for part in cuts[..=count].windows(2) {
         let (width, middle) = (part[1] - part[0], 0.5 * (part[0] + part[1]));
         let by_place = |a: &&(EndValues, f64), b: &&(EndValues, f64)| {
@@ -643,10 +660,10 @@ fn common(
             let half = 0.5 * (line[1] - line[0]) * width;
             let means = Means::new(wave, centre, half);
             let even = means.even();
-            let odd = if is_scalar { [0.0; 3] } else { means.odd() };
+            let odd = if is_even { [0.0; 3] } else { means.odd() };
             let motions = [1.0, motion, 1.0];
             for k in 0..3 {
-                sum[k] += sign * motions[k] * (product.re * even[k] + product.im * odd[k]);
+                sum[k] += product * Complex64::new(even[k], -odd[k]) * (sign * motions[k]);
             }
         }
     }
@@ -801,7 +818,11 @@ mod tests {
         for k in 0..1800 {
             let (sin, cos) = (0.1 * f64::from(k)).to_radians().sin_cos();
             let line = along([cos, sin]);
-            assert_eq!(line.otf(c_mm, r_mm, end * (1.0 + 1e-12)).0, 0.0, "{k}");
+            assert_eq!(
+                line.otf(c_mm, r_mm, end * (1.0 + 1e-12)).0,
+                Complex64::ZERO,
+                "{k}"
+            );
             longest = longest.max(line.reach);
         }
         let short = 1.0 - longest / diagonal;
@@ -859,7 +880,7 @@ mod tests {
             let [large, small, both] =
                 [[true, false], [false, true], [true, true]].map(|which| of(&kinds(which)));
             for frequency in [0.1, 0.4, 0.83, 1.4, 2.0] {
-                let at = |line: &WaveLine| line.otf(0.2, 150.0, frequency).0;
+                let at = |line: &WaveLine| line.otf(0.2, 150.0, frequency).0.re;
                 let off = at(&rounded) - at(&exact);
                 let turned = 5e-5 * 4.0 * PI * 0.2 * frequency;
                 assert!(off.abs() < turned, "{normal:?} {frequency}: {off:e}");
@@ -910,11 +931,12 @@ mod tests {
             };
             let expected: f64 = LINES.iter().map(of).sum();
             let (value, by_ln_c) = line.otf(c_mm, r_mm, frequency);
+            let (value, by_ln_c) = (value.re, by_ln_c.re);
             assert!(
                 (value - expected).abs() < 1e-13,
                 "{frequency}: {value} {expected}"
             );
-            let at = |by: f64| line.otf(c_mm * by.exp(), r_mm, frequency).0;
+            let at = |by: f64| line.otf(c_mm * by.exp(), r_mm, frequency).0.re;
             let difference = (at(h) - at(-h)) / (2.0 * h);
             assert!(
                 (by_ln_c - difference).abs() < 3e-9,

@@ -92,6 +92,7 @@ impl Table {
             exact: None,
             deviations: None,
             provenance,
+            passage: None,
         }
     }
 

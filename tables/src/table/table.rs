@@ -6,6 +6,7 @@
 
 use ndarray::{Array2, Array3, Array4, Array5, Axis};
 
+use crate::lookup::passage::Passage;
 use crate::table::axes::Axes;
 use crate::table::exact::Exact;
 
@@ -39,6 +40,9 @@ pub struct Table {
     pub deviations: Option<Deviations>,
     /// Origin of the table.
     pub provenance: Provenance,
+    /// What light passes before and behind the sheet, which [`Table::direction`] takes into account;
+    /// no part of the file.
+    pub passage: Option<Passage>,
 }
 
 impl Table {
@@ -79,6 +83,7 @@ impl Table {
                 grid: found.grid,
                 entries: places.iter().map(|&k| found.entries[k].clone()).collect(),
             }),
+            passage: self.passage,
             provenance: self.provenance.clone(),
         }
     }

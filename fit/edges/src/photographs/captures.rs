@@ -12,10 +12,11 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error as _};
 use toml::Spanned;
 
-use crate::document::{self, Document, FileLine, Table};
-use crate::document::{choice, choices, incidence, positive, share, spectrum, tables, turn};
-use crate::names::Spectrum;
+use crate::document::{self, Bounds, Document, FileLine, Table};
+use crate::document::{choice, choices, incidence, positive, spectrum, tables, turn};
+use crate::names::{ByAxis, Ghost, Haze, Polarisation, Retarder, Spectrum, State, Stray};
 use crate::photographs::edge::fault::Accepted;
+use crate::photographs::lamp::{Lamp, LampError};
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
 use crate::photographs::photo::exif::Settings;
@@ -23,6 +24,7 @@ use crate::photographs::photo::in_memory::InMemory;
 use crate::photographs::photo::plane::{Photo, as_shown};
 use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::roi::Roi;
+use crate::readers;
 
 /// A reason why a manifest, or one of its photographs, cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -55,6 +57,13 @@ pub struct Setup {
     pub half_mirror_reflectance: f64,
     /// Wavelengths of the source, for the kernel `wave`.
     pub spectrum: Option<Spectrum>,
+    /// Lamp from which the spectrum follows, for each channel of the camera; `None` if the manifest
+    /// gives wavelengths themselves, or nothing.
+    pub lamp: Option<Lamp>,
+    /// Polarisers, film and half mirror; `None` for unpolarised light that is collected whole.
+    pub polarisation: Option<Polarisation>,
+    /// Ghost, haze and front of the sheet.
+    pub stray: Stray,
 }
 
 impl Setup {
@@ -62,6 +71,13 @@ impl Setup {
     /// so.
     pub fn is_in_mirror(&self) -> bool {
         self.seen_in_mirror.unwrap_or(false)
+    }
+
+    /// Returns what red, green and blue see of the lamp, if the camera tells them apart.
+    pub fn colours(&self) -> Option<[Spectrum; 3]> {
+        let lamp = self.lamp.as_ref().filter(|lamp| lamp.is_coloured())?;
+        let [red, green, blue] = Channel::PRIMARIES.map(|channel| lamp.through(&channel));
+        Some([red?, green?, blue?])
     }
 }
 
@@ -225,6 +241,9 @@ impl Campaign {
         for shot in campaign.references.iter_mut().chain(captures) {
             shot.decode.channel = channel.clone();
         }
+        if let Some(lamp) = &campaign.setup.lamp {
+            campaign.setup.spectrum = lamp.through(channel);
+        }
         campaign
     }
 }
@@ -284,7 +303,7 @@ pub fn held(text: String, name: &Path, is_held: &dyn Fn(&Path) -> bool) -> Resul
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Tables {
-    setup: Table<SetupTable>,
+    setup: Spanned<Table<SetupTable>>,
     #[serde(default, deserialize_with = "tables")]
     reference: Vec<ShotTable>,
     #[serde(default)]
@@ -294,15 +313,29 @@ struct Tables {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SetupTable {
-    #[serde(deserialize_with = "positive")]
-    pixel_pitch_mm: f64,
+    #[serde(default, deserialize_with = "positive")]
+    pixel_pitch_mm: Option<f64>,
     seen_in_mirror: Option<bool>,
-    #[serde(default, deserialize_with = "share")]
-    half_mirror_transmittance: Option<f64>,
-    #[serde(default, deserialize_with = "share")]
-    half_mirror_reflectance: Option<f64>,
+    #[serde(default, deserialize_with = "by_axis")]
+    half_mirror_transmittance: Option<ByAxis>,
+    #[serde(default, deserialize_with = "by_axis")]
+    half_mirror_reflectance: Option<ByAxis>,
+    #[serde(default)]
+    polarisation: State,
+    #[serde(default)]
+    analyser: State,
+    #[serde(default)]
+    retarder: Option<Retarder>,
     #[serde(default, deserialize_with = "spectrum")]
     wavelength_nm: Option<Spectrum>,
+    spectrum: Option<Spanned<String>>,
+    camera_response: Option<Spanned<String>>,
+    #[serde(default, deserialize_with = "ghost")]
+    ghost: Option<Ghost>,
+    #[serde(default, deserialize_with = "haze")]
+    haze: Option<Haze>,
+    #[serde(default, deserialize_with = "index")]
+    front_index: Option<f64>,
     expect_table: Option<Spanned<Hash>>,
     // What the tables of photographs may override.
     #[serde(default, deserialize_with = "positive")]
@@ -403,12 +436,17 @@ fn of_document(
     is_there: &dyn Fn(&Path) -> bool,
 ) -> Result<Manifest, Error> {
     let Tables {
-        setup: Table(shared),
+        setup: shared,
         reference,
         capture,
     } = document.parse()?;
+    let span = shared.span();
+    let Table(shared) = shared.into_inner();
+    if shared.pixel_pitch_mm.is_none() {
+        return Err(document.missing(span, "pixel_pitch_mm", "[setup]").into());
+    }
     let mut warnings = Vec::new();
-    let setup = setup(&shared, file, &mut warnings);
+    let setup = setup(&shared, document, file, &mut warnings)?;
     let shot = |table| shot(table, &shared, document, is_there);
     let mut source = None;
     let all = reference
@@ -588,7 +626,12 @@ fn expose_by_camera(
     ))
 }
 
-fn setup(table: &SetupTable, file: &Path, warnings: &mut Vec<String>) -> Setup {
+fn setup(
+    table: &SetupTable,
+    document: &Document,
+    file: &Path,
+    warnings: &mut Vec<String>,
+) -> Result<Setup, Error> {
     let transmittance = table.half_mirror_transmittance;
     let reflectance = table.half_mirror_reflectance;
     if transmittance.is_none() || reflectance.is_none() {
@@ -598,8 +641,9 @@ fn setup(table: &SetupTable, file: &Path, warnings: &mut Vec<String>) -> Setup {
             file.display()
         ));
     }
-    if let (Some(t), Some(r)) = (transmittance, reflectance)
-        && t + r > 1.0
+    let axes = |axes: ByAxis| [axes.s, axes.p];
+    if let (Some(t), Some(r)) = (transmittance.map(axes), reflectance.map(axes))
+        && let Some((t, r)) = t.into_iter().zip(r).find(|(t, r)| t + r > 1.0)
     {
         warnings.push(format!(
             "{}: half_mirror_transmittance {t} and half_mirror_reflectance {r} add up to more \
@@ -607,11 +651,120 @@ fn setup(table: &SetupTable, file: &Path, warnings: &mut Vec<String>) -> Setup {
             file.display()
         ));
     }
-    Setup {
-        pixel_pitch_mm: table.pixel_pitch_mm,
+    let half_mirror = |given: Option<ByAxis>| given.unwrap_or(ByAxis::even(1.0));
+    let polarisation = Polarisation {
+        source: table.polarisation,
+        analyser: table.analyser,
+        retarder: table.retarder,
+        half_mirror_transmittance: half_mirror(transmittance),
+        half_mirror_reflectance: half_mirror(reflectance),
+    };
+    let lamp = lamp(table, document, file)?;
+    let channel = table.channel.as_deref().map(Channel::from_name);
+    let of_lamp = lamp
+        .as_ref()
+        .and_then(|lamp| lamp.through(&channel.unwrap_or_default()));
+    Ok(Setup {
+        pixel_pitch_mm: table.pixel_pitch_mm.unwrap_or(1.0),
         seen_in_mirror: table.seen_in_mirror,
-        half_mirror_transmittance: transmittance.unwrap_or(1.0),
-        half_mirror_reflectance: reflectance.unwrap_or(1.0),
-        spectrum: table.wavelength_nm.clone(),
+        half_mirror_transmittance: half_mirror(transmittance).mean(),
+        half_mirror_reflectance: half_mirror(reflectance).mean(),
+        spectrum: of_lamp.or_else(|| table.wavelength_nm.clone()),
+        lamp,
+        polarisation: (!polarisation.is_none()).then_some(polarisation),
+        stray: Stray {
+            ghost: table.ghost,
+            haze: table.haze,
+            front_index: table.front_index,
+        },
+    })
+}
+
+readers! {
+    index = Bounds::new("a refractive index, at least 1 and at most 5", |x| {
+        (1.0..=5.0).contains(&x)
+    });
+}
+
+fn ghost<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Ghost>, D::Error> {
+    let ghost: Ghost = document::table(value)?;
+    Bounds::SHARE.checked::<D::Error>(ghost.share)?;
+    Bounds::FINITE.checked::<D::Error>(ghost.tangential_mm)?;
+    Bounds::FINITE.checked::<D::Error>(ghost.sagittal_mm)?;
+    Ok(Some(ghost))
+}
+
+fn haze<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Haze>, D::Error> {
+    let haze: Haze = document::table(value)?;
+    Bounds::SHARE.checked::<D::Error>(haze.share)?;
+    Bounds::INCIDENCE.checked::<D::Error>(haze.spread_deg)?;
+    Ok(Some(haze))
+}
+
+/// Reads the lamp of a setup and the response of its camera.
+fn lamp(table: &SetupTable, document: &Document, file: &Path) -> Result<Option<Lamp>, Error> {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let at = |name: &Spanned<String>, what: String| document.place(name.span()).error(what);
+    let Some(name) = &table.spectrum else {
+        return match &table.camera_response {
+            Some(name) => {
+                let lacks = "`camera_response` needs a lamp; add `spectrum`, a file of nm and power or \
+                    the name of an illuminant";
+                Err(at(name, lacks.into()).into())
+            }
+            None => Ok(None),
+        };
+    };
+    if table.wavelength_nm.is_some() {
+        let both = "`spectrum` and `wavelength_nm` both name the light; leave one out";
+        return Err(at(name, both.into()).into());
     }
+    let refused = |name, error: LampError| Error::from(at(name, error.to_string()));
+    let lamp = Lamp::read(name.as_ref(), folder).map_err(|error| refused(name, error))?;
+    Ok(Some(match &table.camera_response {
+        None => lamp,
+        Some(response) => {
+            let seen = lamp.seen_by(&folder.join(response.as_ref()));
+            seen.map_err(|error| refused(response, error))?
+        }
+    }))
+}
+
+/// Reads the table [setup] of a manifest, or of a file that has only this table.
+///
+/// `pixel_pitch_mm` is 1 if the file does not give it.
+///
+/// # Errors
+/// Returns the errors of [`load`] about this table.
+pub fn setup_of(file: &Path) -> Result<Setup, Error> {
+    let document = Document::read(file)?;
+    let Tables { setup: table, .. } = document.parse()?;
+    let Table(table) = table.into_inner();
+    setup(&table, &document, file, &mut Vec::new())
+}
+
+/// Reads a share of a half mirror: a number, or one for each polarisation.
+fn by_axis<'de, D: Deserializer<'de>>(value: D) -> Result<Option<ByAxis>, D::Error> {
+    let both = match toml::Value::deserialize(value)? {
+        toml::Value::Table(table) => {
+            let axes: ByAxis = toml::Value::Table(table)
+                .try_into()
+                .map_err(D::Error::custom)?;
+            let share = |own| own == 0.0 || (Bounds::SHARE.holds)(own);
+            if !(share(axes.s) && share(axes.p) && axes.mean() > 0.0) {
+                let wrong = "must have s and p from 0 to 1, not both 0; change the value";
+                return Err(D::Error::custom(wrong));
+            }
+            axes
+        }
+        toml::Value::Float(both) => ByAxis::even(Bounds::SHARE.checked(both)?),
+        toml::Value::Integer(both) => ByAxis::even(Bounds::SHARE.checked(both as f64)?),
+        other => {
+            return Err(D::Error::custom(format!(
+                "must be a number or {{ s = 0.6, p = 0.3 }}, not of type {}; change the value",
+                other.type_str()
+            )));
+        }
+    };
+    Ok(Some(both))
 }

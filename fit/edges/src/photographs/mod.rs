@@ -12,6 +12,7 @@ pub mod crossing;
 mod defects;
 pub mod edge;
 mod illumination;
+pub mod lamp;
 pub mod measure;
 mod noise;
 pub mod photo;

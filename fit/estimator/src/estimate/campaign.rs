@@ -1,5 +1,7 @@
 //! A whole estimate: c, a and mu of a campaign, with their errors, bounds and warnings.
 
+use std::borrow::Cow;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use nalgebra::DVector;
@@ -22,7 +24,7 @@ use crate::estimate::trust::goodness::{Goodness, Verdict};
 use crate::estimate::trust::suspects::{Diagnosis, OtherTable, Search, Suspect};
 use crate::estimate::trust::unverified::{Doubted, Unverified};
 use crate::estimate::trust::{goodness, mirror, verdict};
-use crate::model::{Further, wave};
+use crate::model::{Further, polarised, wave};
 use crate::samples::Sampling;
 use edges::names::{Kernel, Spectrum};
 use edges::numerics::Stop;
@@ -170,6 +172,13 @@ impl Estimated {
         if options.diagnose == Some(Duration::ZERO) {
             return Ok(());
         }
+        let table = &*campaign_table(&self.campaign, table)?;
+        let mut others = options.others.clone();
+        for other in &mut others {
+            if let Cow::Owned(seen) = campaign_table(&self.campaign, &other.table)? {
+                other.table = Arc::new(seen);
+            }
+        }
         let closed = self
             .best
             .sampling
@@ -179,7 +188,7 @@ impl Estimated {
             campaign: &self.campaign,
             photo,
             table,
-            others: &options.others,
+            others: &others,
             scene: closed.as_ref().unwrap_or(&self.scene),
             kind: self.kind,
             fit: &self.best,
@@ -244,6 +253,13 @@ pub fn campaign(
     Ok(estimated)
 }
 
+/// Returns the table as the light of a campaign sees it.
+fn campaign_table<'a>(campaign: &Campaign, table: &'a Table) -> Result<Cow<'a, Table>, Error> {
+    let setup = &campaign.setup;
+    let light = setup.polarisation.as_ref();
+    Ok(polarised::seen(table, light, setup.is_in_mirror())?)
+}
+
 /// Does what [`campaign`] does but for the search for suspects, which [`Estimated::diagnose`] makes.
 ///
 /// # Errors
@@ -257,6 +273,7 @@ pub fn undiagnosed(
 ) -> Result<Estimated, Error> {
     let candidates = options.checked()?;
     let campaign = options.applied(campaign);
+    let table = &*campaign_table(&campaign, table)?;
     let mut scene = Scene::reported(&campaign, table, photo, progress)?;
     let mut azimuth = None;
     if options.fit_azimuth {

@@ -28,7 +28,7 @@ use crate::model::Camera;
 use crate::model::wave;
 use crate::samples::Sampled;
 use edges::names::Kernel;
-use edges::names::Spectrum;
+use edges::names::{Ghost, Spectrum};
 use edges::photographs::captures;
 use edges::photographs::edge::line::EdgeLine;
 use edges::photographs::measure;
@@ -70,6 +70,8 @@ pub struct Aerial {
     pub direction: ProjectedDirection,
     /// True if the camera saw the sheet in the half mirror.
     pub seen_in_mirror: bool,
+    /// Second image of a thick half mirror.
+    pub ghost: Option<Ghost>,
     /// Angle by which the tangential axis lies further than the manifest says, from +x towards +y,
     /// radians; 0 except in a scene of [`Scene::perturbed`].
     pub axis_turn_rad: f64,
@@ -501,6 +503,7 @@ impl Measuring<'_> {
             warnings,
             direction: ProjectedDirection::new(&direction, capture.azimuth_deg, index, along),
             seen_in_mirror: setup.is_in_mirror(),
+            ghost: setup.stray.ghost,
             axis_turn_rad: 0.0,
             sampled: None,
         }

@@ -7,8 +7,8 @@ use crate::model::baseline::Baseline;
 use crate::model::further;
 use crate::model::further::Further;
 use crate::model::lobe::Lobe;
-use edges::names::Kernel;
 use edges::names::LobeShape;
+use edges::names::{Ghost, Haze, Kernel};
 use tables::ShiftLine;
 use tables::WaveLine;
 
@@ -83,6 +83,10 @@ pub struct Model<'a> {
     pub normal: [f64; 2],
     /// Further blurs by whose variances a fit needs derivatives.
     pub further: Further,
+    /// Second image of a thick half mirror.
+    pub ghost: Option<Ghost>,
+    /// Haze of a film; `None` for photographs, where it is part of the plateaus.
+    pub haze: Option<Haze>,
     /// Gain of an angular spread in the plane of incidence, see [`further::tangential_gain`].
     pub tangential_gain: f64,
 }
@@ -93,8 +97,14 @@ impl Model<'_> {
     pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
         let [sheet, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);
         let [lobe, by_ln_spread] = self.lobe_otf(blur.spread, frequency);
-        let further = further::otf(self.variance_mm2(blur), frequency);
-        [sheet * lobe, sheet * by_ln_spread, by_ln_c * lobe].map(|part| part * further)
+        let mut others = Complex64::from(further::otf(self.variance_mm2(blur), frequency));
+        if let Some(ghost) = self.ghost {
+            others *= ghost.otf(self.normal, frequency);
+        }
+        if let Some(haze) = self.haze {
+            others *= haze.otf(self.r_mm, frequency);
+        }
+        [sheet * lobe, sheet * by_ln_spread, by_ln_c * lobe].map(|part| part * others)
     }
 
     /// Returns the variance of all further blurs along the normal, mm^2.
@@ -128,10 +138,7 @@ impl Model<'_> {
                 .map(Complex64::from);
         }
         match (self.kernel, self.wave, self.shift) {
-            (Kernel::Wave, Some(line), _) => {
-                let (value, by_ln_c) = line.otf(c_mm, self.r_mm, frequency);
-                [value.into(), by_ln_c.into()]
-            }
+            (Kernel::Wave, Some(line), _) => line.otf(c_mm, self.r_mm, frequency).into(),
             (kernel, ..) if kernel.has_waves() || kernel.is_baseline() => {
                 [Complex64::from(f64::NAN); 2]
             }

@@ -12,6 +12,7 @@ mod edge;
 mod exits;
 pub mod further;
 mod lobe;
+pub mod polarised;
 mod spread;
 pub mod wave;
 

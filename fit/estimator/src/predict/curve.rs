@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::model::{Baseline, Blur, Further, Model};
 use crate::model::{further, wave};
 use crate::predict::sheet::Fitted;
-use edges::names::{Kernel, LobeShape};
+use edges::names::{Kernel, LobeShape, Stray};
 
 /// Sheet at one direction of incidence, along one direction of the image.
 pub(crate) struct Line {
@@ -20,6 +20,7 @@ pub(crate) struct Line {
     normal: [f64; 2],
     tangential_gain: f64,
     blur: Blur,
+    stray: Stray,
 }
 
 impl Line {
@@ -54,6 +55,7 @@ impl Line {
             normal,
             tangential_gain: sheet.tangential_gain(incidence_deg),
             blur: sheet.blur(incidence_deg)?,
+            stray: result.stray,
         }))
     }
 
@@ -72,6 +74,8 @@ impl Line {
                     own_blur: false,
                     angular_spread: self.blur.angular_spread_mrad2 > 0.0,
                 },
+                ghost: self.stray.ghost,
+                haze: self.stray.haze,
                 tangential_gain: self.tangential_gain,
             },
             blur: self.blur,

@@ -35,6 +35,9 @@ impl<'a> Fitted<'a> {
     /// [`Error::OtherCell`] if the table is not one of the fitted cell.
     pub fn new(result: &'a ResultFile, table: &'a Table) -> Result<Fitted<'a>, Error> {
         numbers(result)?;
+        if result.polarisation.is_some() && table.passage.is_none() {
+            return Err(Error::Unpolarised);
+        }
         let given = TableResult::of(table);
         if result.table.same_cell(&given) {
             return Ok(Fitted { result, table });

@@ -3,7 +3,7 @@
 use crate::estimate::{Bounds, Forward, Kind};
 use crate::result::report::{CameraResult, Covariance, Number, Parameter, ResultFile};
 use crate::result::table::TableResult;
-use edges::names::{Family, Kernel, LobeShape, Spectrum};
+use edges::names::{Family, Kernel, LobeShape, Spectrum, Stray};
 
 /// Reason why the solver of such a result stopped: it never began.
 const BY_HAND: &str = "given by hand";
@@ -97,6 +97,7 @@ impl ByHand {
             stop: BY_HAND.into(),
             seconds: 0.0,
             wavelength_nm,
+            colours: None,
             c_mm: Some(Number {
                 value: Some(self.c_mm),
                 standard_error: None,
@@ -127,6 +128,9 @@ impl ByHand {
                 farthest_from_reference_deg: None,
             },
             half_mirror: self.half_mirror,
+            polarisation: None,
+            stray: Stray::default(),
+            diffraction: Vec::new(),
             seen_in_mirror: Some(false),
             fit: None,
             domain: None,

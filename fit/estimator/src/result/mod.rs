@@ -18,7 +18,9 @@ pub use nominal::Nominal;
 pub use quality::FitResult;
 pub use report::ResultFile;
 pub use report::sharing;
-pub use report::{AtAngle, CameraResult, Candidate, CaptureResult, Number, Parameter, Part};
+pub use report::{
+    AtAngle, CameraResult, Candidate, CaptureResult, Number, Parameter, Part, WidthResult,
+};
 pub use table::TableResult;
 
 pub use truth::Truth;

@@ -19,6 +19,9 @@ enum Cell {
     /// Pairs of triangular cubes behind a flat front of index 1.49 (acrylic), with metal on their
     /// back.
     Prisms,
+    /// Pairs of triangular cubes behind a flat front of index 1.49, without metal: they reflect
+    /// totally.
+    BarePrisms,
     /// Hollow full cubes.
     HollowCubes,
 }
@@ -89,6 +92,9 @@ const HOLLOW_CUBES: [(f64, f64); 14] = [
     (40.0, 0.6953),
 ];
 
+/// mu of a sheet whose table holds all losses.
+const LOSSES_IN_TABLE: [(f64, f64); 1] = [(0.0, 1.0)];
+
 /// A and mu of the fits that the authors of the method published.
 ///
 /// Their c is about 0.08 mm, and they do not say of which length. It is not the edge of a cube: the
@@ -110,7 +116,7 @@ const PUBLISHED: [(f64, f64, f64); 10] = [
 ];
 
 /// All nominal sheets.
-const ALL: [Nominal; 4] = [
+const ALL: [Nominal; 6] = [
     Nominal {
         name: "prism-0.1",
         about: "fine prism sheet: acrylic cubes of 0.1 mm, which is 0.12 mm between grooves \
@@ -135,6 +141,32 @@ const ALL: [Nominal; 4] = [
         blur: Blur::Waves {
             wavelength_nm: 550.0,
             mu: &PRISMS,
+        },
+    },
+    Nominal {
+        name: "prism-0.1-tir",
+        about: "fine prism sheet without metal: acrylic cubes of 0.1 mm that reflect totally (US \
+            patent 6,843,571 names 0.013 to 0.178 mm)",
+        assumed: "ideal cubes, index 1.49, no metal: total reflection up to 19 degrees at the worst \
+            azimuth, losses by Fresnel's equations in the table, light of 550 nm",
+        cell: Cell::BarePrisms,
+        c_mm: 0.1,
+        blur: Blur::Waves {
+            wavelength_nm: 550.0,
+            mu: &LOSSES_IN_TABLE,
+        },
+    },
+    Nominal {
+        name: "prism-0.2-tir",
+        about: "coarse prism sheet without metal: acrylic cubes of 0.2 mm that reflect totally (US \
+            patent 3,684,348 names edges below 0.635 mm)",
+        assumed: "ideal cubes, index 1.49, no metal: total reflection up to 19 degrees at the worst \
+            azimuth, losses by Fresnel's equations in the table, light of 550 nm",
+        cell: Cell::BarePrisms,
+        c_mm: 0.2,
+        blur: Blur::Waves {
+            wavelength_nm: 550.0,
+            mu: &LOSSES_IN_TABLE,
         },
     },
     Nominal {
@@ -183,6 +215,7 @@ impl Nominal {
     pub fn table(&self) -> Result<Table, tables::Error> {
         let bytes: &[u8] = match self.cell {
             Cell::Prisms => include_bytes!("../../../sheets/prisms.h5"),
+            Cell::BarePrisms => include_bytes!("../../../sheets/prisms-tir.h5"),
             Cell::HollowCubes => include_bytes!("../../../sheets/hollow-cubes.h5"),
         };
         tables::read_in_memory(bytes, Path::new(self.name))

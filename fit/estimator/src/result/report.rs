@@ -1,6 +1,9 @@
 //! RESULT.json: the estimate for scripts and for `fit predict`.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
+use tables::Table;
 
 use crate::estimate::Bounds;
 use crate::estimate::Estimate;
@@ -10,15 +13,15 @@ use crate::estimate::Kind;
 use crate::estimate::Ranked;
 use crate::estimate::Unverified;
 use crate::estimate::Value;
+use crate::estimate::search::compared;
 use crate::estimate::{Aerial, Scene};
-use crate::model::{Camera, Lens};
+use crate::model::{Camera, Lens, polarised};
 use crate::result::domain::Domain;
 use crate::result::quality::FitResult;
 use crate::result::table::TableResult;
 use crate::samples::Sampling;
-use edges::names::LobeShape;
-use edges::names::Spectrum;
 use edges::names::{Family, Kernel};
+use edges::names::{LobeShape, Polarisation, Spectrum, Stray};
 use edges::names::{ParameterId, ParameterKind};
 
 /// Parameter with one number for all incidence angles, or with one per angle.
@@ -32,6 +35,19 @@ pub enum Parameter {
     },
     /// One number for all incidence angles.
     Shared(Number),
+}
+
+/// Width of the fitted lobe over that of the diffraction by the aperture of the fitted cubes, as the
+/// ratio of the frequencies at which their OTFs are 1/2.
+///
+/// About 1: diffraction explains the lobe. Above it something else blurs too; below it c is too small
+/// for this lobe.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WidthResult {
+    /// Incidence, degrees.
+    pub incidence_deg: f64,
+    /// Ratio of the widths.
+    pub lobe_to_diffraction: f64,
 }
 
 /// Number with its error.
@@ -289,6 +305,9 @@ pub struct ResultFile {
     /// Wavelengths of the source, nm; null if none is named.
     #[serde(default)]
     pub wavelength_nm: Option<Spectrum>,
+    /// What red, green and blue of the camera see of the source; absent if it is not told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colours: Option<[Spectrum; 3]>,
     /// Corner size c, mm; null under `lobe` and baselines.
     pub c_mm: Option<Number>,
     /// Diffraction spread a, 1/mm; null under `angular`, `shift`, `wave` and baselines.
@@ -338,6 +357,17 @@ pub struct ResultFile {
     pub camera: CameraResult,
     /// Transmittance times reflectance of the half mirror.
     pub half_mirror: f64,
+    /// Width of the lobe compared with the diffraction of the cubes, by incidence; empty without a
+    /// lobe, c or wavelengths.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub diffraction: Vec<WidthResult>,
+    /// Polarisers, film and half mirror of the setup; absent for unpolarised light that is collected
+    /// whole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub polarisation: Option<Polarisation>,
+    /// Ghost, haze and front of the sheet; absent without them.
+    #[serde(default, skip_serializing_if = "Stray::is_none")]
+    pub stray: Stray,
     /// True if the camera saw the sheet in the half mirror, as the fit took it; absent from older
     /// results, which were fitted as if it were true.
     #[serde(default)]
@@ -385,6 +415,7 @@ impl ResultFile {
             stop: best.solution.stop.name().into(),
             seconds,
             wavelength_nm: scene.spectrum.clone(),
+            colours: estimated.campaign.setup.colours(),
             c_mm: written.size().filter(|_| !is_rough),
             a_per_mm: written.spread(ParameterKind::APerMm),
             a_times_r: written.spread(ParameterKind::ATimesR),
@@ -419,6 +450,9 @@ impl ResultFile {
                 farthest_from_reference_deg: scene.farthest_from_reference_deg(),
             },
             half_mirror: scene.half_mirror,
+            diffraction: widths(scene, best),
+            polarisation: estimated.campaign.setup.polarisation,
+            stray: estimated.campaign.setup.stray,
             seen_in_mirror: Some(estimated.campaign.setup.is_in_mirror()),
             fit: Some(FitResult::new(
                 &estimated.goodness,
@@ -431,6 +465,87 @@ impl ResultFile {
             warnings: estimated.warnings.clone(),
         }
     }
+}
+
+impl ResultFile {
+    /// Says in a sentence how the lobe compares with the diffraction of the cubes; nothing where this
+    /// is not known.
+    pub fn diffraction_in_words(&self) -> Option<String> {
+        let ratios = self.diffraction.iter().map(|own| own.lobe_to_diffraction);
+        let [least, most] = ratios.fold([f64::INFINITY, 0.0_f64], |[least, most], own| {
+            [least.min(own), most.max(own)]
+        });
+        let about = match [format!("{least:.2}"), format!("{most:.2}")] {
+            _ if self.diffraction.is_empty() => return None,
+            [least, most] if least == most => least,
+            [least, most] => format!("{least} to {most}"),
+        };
+        let what = match (least, most) {
+            (1.1.., _) => "something else blurs too, such as errors of the cubes or a rough front",
+            (_, ..0.9) => "c is too small for so narrow a lobe, or the wavelength too long",
+            (0.9.., ..1.1) => "diffraction explains it",
+            _ => "diffraction alone explains no such lobe",
+        };
+        Some(format!(
+            "the lobe is {about} times as wide as the diffraction of the cubes' aperture: {what}"
+        ))
+    }
+
+    /// Returns a table of the sheet as the light of the setup sees it. Predictions take this one.
+    ///
+    /// # Errors
+    /// Returns [`tables::Error::Polarised`] if the light is polarised, and the table does not say
+    /// how its cubes turn it.
+    pub fn seen<'a>(&self, table: &'a Table) -> Result<Cow<'a, Table>, tables::Error> {
+        let in_mirror = self.seen_in_mirror.unwrap_or(true);
+        polarised::seen(table, self.polarisation.as_ref(), in_mirror)
+    }
+}
+
+/// Compares the lobe with the diffraction of the aperture, at each incidence at which a photograph
+/// was taken; nothing without a lobe, c and wavelengths.
+fn widths(scene: &Scene, best: &Estimate) -> Vec<WidthResult> {
+    let kernel = best.choice.kernel;
+    let (Some(c_mm), true) = (
+        best.c_mm.as_ref(),
+        kernel.has_lobe() && !kernel.is_baseline(),
+    ) else {
+        return Vec::new();
+    };
+    let width = |&incidence_deg: &f64| {
+        let shot = (scene.shots.iter()).find(|shot| shot.incidence_deg == incidence_deg)?;
+        let line = shot.direction.wave.as_ref().ok()?;
+        let model = compared::model(shot, best.choice);
+        let spread = best.spread.get(shot.group).or(best.spread.first())?.value;
+        let lobe = |f: f64| model.lobe_otf(spread, f)[0];
+        let aperture = |f: f64| line.diffraction(c_mm.value, shot.r_mm, f);
+        Some(WidthResult {
+            incidence_deg,
+            lobe_to_diffraction: half(&aperture)? / half(&lobe)?,
+        })
+    };
+    scene.groups.iter().filter_map(width).collect()
+}
+
+/// Returns the frequency at which a falling curve is 1/2, 1/mm, to a millionth of itself.
+fn half(curve: &dyn Fn(f64) -> f64) -> Option<f64> {
+    let mut high = 1e-4;
+    while curve(high) > 0.5 {
+        high *= 2.0;
+        if high > 1e5 {
+            return None;
+        }
+    }
+    let mut low = 0.5 * high;
+    while high - low > 1e-6 * high {
+        let middle = f64::midpoint(low, high);
+        if curve(middle) > 0.5 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(high)
 }
 
 /// Returns the OTF of each lens of a camera at frequencies up to 1.5 cycles per pixel. They are as

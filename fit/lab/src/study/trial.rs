@@ -187,6 +187,9 @@ pub(crate) fn campaign(params: &Params, accepted: &[Accepted]) -> Campaign {
             half_mirror_transmittance: camera.half_mirror_transmittance,
             half_mirror_reflectance: camera.half_mirror_reflectance,
             spectrum: params.truth.spectrum.clone(),
+            lamp: None,
+            stray: Default::default(),
+            polarisation: None,
         },
         references: params
             .reference

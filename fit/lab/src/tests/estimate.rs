@@ -65,6 +65,8 @@ fn model_equals_noise_free_photographs() {
                     r_mm: shot.r_mm,
                     normal: shot.normal(),
                     further: Further::NONE,
+                    ghost: None,
+                    haze: None,
                     tangential_gain: 1.0,
                 };
                 let curve = shot.view.curve(&model, Blur::new(a, 0.31));

@@ -167,6 +167,9 @@ struct Data<'a> {
 /// Returns [`Error::Sheet`] if the blur cannot be computed, and [`Error::Large`] if the numbers do
 /// not fit into a page.
 pub fn page(explorer: &Explorer<'_>, step: &(dyn Fn(usize) + Sync)) -> Result<Page, Error> {
+    if explorer.sheet.table.passage.is_some() {
+        return Err(Error::Polarised);
+    }
     let found = search::grid(&explorer.sheet, &explorer.span, step)?;
     let data = data(explorer, &found.grid, found.misfit, found.places);
     // A script element ends at its end tag, wherever that stands; JSON may write < as an escape.

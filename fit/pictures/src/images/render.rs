@@ -6,6 +6,7 @@
 pub mod camera;
 pub mod psf;
 pub mod sampled;
+pub(crate) mod stray;
 pub(crate) mod tiles;
 pub(crate) mod transform;
 pub mod view;
@@ -183,7 +184,7 @@ fn coat(
 }
 
 /// Interpolates a plane linearly between the middles of its pixels; outside it is black.
-fn bilinear(plane: &[f32], [width, height]: [usize; 2], [x, y]: [f64; 2]) -> f32 {
+pub(crate) fn bilinear(plane: &[f32], [width, height]: [usize; 2], [x, y]: [f64; 2]) -> f32 {
     let (left, top) = (x.floor(), y.floor());
     let (across, down) = ((x - left) as f32, (y - top) as f32);
     let at = |column: f64, row: f64| {

@@ -186,7 +186,7 @@ impl FittedSpot<'_> {
         if self.sheet.result.kernel.has_waves() {
             // `reach` has prepared both axes. A line fails only where they fail too.
             return self.wave(normal).map_or(Complex64::ZERO, |line| {
-                line.otf(self.blur.c_mm, self.place.r_mm, modulus).0.into()
+                line.otf(self.blur.c_mm, self.place.r_mm, modulus).0
             });
         }
         let lobe = self

@@ -308,6 +308,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     #[cfg(feature = "full")]
     if let Some(page) = page {
         let evidence = pool.install(|| Evidence::of(&estimated));
+        let table = result.seen(&table)?;
         let shown = Page {
             result: &result,
             table: &table,

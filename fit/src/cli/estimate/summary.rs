@@ -72,6 +72,9 @@ pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
             result.captures.len()
         );
     }
+    if let Some(said) = result.diffraction_in_words() {
+        let _ = writeln!(text, "{said}");
+    }
     if let Some(said) = unverified_in_words(&result.trusted) {
         let _ = writeln!(text, "{said}");
     }

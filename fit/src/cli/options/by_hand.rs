@@ -1,6 +1,6 @@
 //! The options of a sheet without a fit.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::ArgGroup;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -9,6 +9,8 @@ use tables::Table;
 use crate::cli::failure::Failure;
 use crate::cli::options::parse;
 use edges::names::{Kernel, Spectrum};
+use edges::photographs::Setup;
+use edges::photographs::captures;
 use estimator::result::{ByHand, Nominal, ResultFile, Spread, TableResult};
 
 /// Numbers of a sheet that nobody has fitted. They take the place of a result.
@@ -106,6 +108,18 @@ pub(crate) struct Numbers {
         requires = "own_sheet"
     )]
     pub half_mirror: Option<f64>,
+    /// File whose table [setup] names half mirror, polarisers, film and light.
+    ///
+    /// A captures.toml is such a file. Its keys are half_mirror_transmittance,
+    /// half_mirror_reflectance, polarisation, analyser, retarder, seen_in_mirror and the wavelengths
+    /// of the light.
+    #[arg(
+        long,
+        value_name = "SETUP.toml",
+        conflicts_with = "half_mirror",
+        requires = "own_sheet"
+    )]
+    pub setup: Option<PathBuf>,
 }
 
 /// Returns the parser of the names of nominal sheets.
@@ -157,7 +171,37 @@ impl Numbers {
         pixel_pitch_mm: f64,
         table: &Table,
     ) -> Result<ResultFile, Failure> {
-        let half_mirror = self.half_mirror.unwrap_or(HALF_MIRROR);
+        let setup = match &self.setup {
+            Some(file) => Some(captures::setup_of(file).map_err(estimator::Error::from)?),
+            None => None,
+        };
+        let mut result = self.unpolarised(verb, pixel_pitch_mm, table, setup.as_ref())?;
+        if let Some(setup) = setup {
+            if result.kernel.has_waves() && setup.spectrum.is_some() {
+                result.wavelength_nm.clone_from(&setup.spectrum);
+            }
+            result.polarisation = setup.polarisation;
+            result.seen_in_mirror = Some(setup.is_in_mirror());
+            result.colours = setup.colours();
+            result.stray = setup.stray;
+        }
+        Ok(result)
+    }
+
+    /// Returns the result without what the setup says of polarisation.
+    fn unpolarised(
+        &self,
+        verb: &'static str,
+        pixel_pitch_mm: f64,
+        table: &Table,
+        setup: Option<&Setup>,
+    ) -> Result<ResultFile, Failure> {
+        let half_mirror = match setup {
+            Some(setup) => setup.half_mirror_transmittance * setup.half_mirror_reflectance,
+            None => self.half_mirror.unwrap_or(HALF_MIRROR),
+        };
+        let given = setup.and_then(|setup| setup.spectrum.as_ref());
+        let spectrum = self.wavelength_nm.as_ref().or(given);
         if let Some(sheet) = self.sheet {
             let own = TableResult::of(&sheet.table()?);
             let given = TableResult::of(table);
@@ -182,7 +226,7 @@ impl Numbers {
                 --wavelength-nm, --a or --a-times-r";
             return Err(Failure::conflict(verb, message));
         };
-        let spread = match (&self.wavelength_nm, self.a, self.a_times_r) {
+        let spread = match (spectrum, self.a, self.a_times_r) {
             (Some(spectrum), ..) => Spread::Wave(spectrum.clone()),
             (None, Some(a), _) => Spread::Lobe(a),
             (None, None, Some(a)) => Spread::Angle(a),

@@ -30,7 +30,8 @@ pub fn render_view(
     result: &ResultFile,
     table: &Table,
 ) -> Result<Picture, Box<dyn Error>> {
-    let sheet = Fitted::new(result, table)?;
+    let table = result.seen(table)?;
+    let sheet = Fitted::new(result, &table)?;
     let view = CameraView::load(view)?;
     let [width, height] = SIZE;
     let white = Picture {

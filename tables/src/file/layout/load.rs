@@ -72,6 +72,7 @@ pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Erro
         exact: polygons::load(&root, i * j)?,
         deviations: None,
         provenance,
+        passage: None,
     };
     if root.has(names::COUNTS.name) || root.has(names::FATE_COUNTS.name) {
         let r = root.randomisations()?;

@@ -241,6 +241,7 @@ pub(crate) fn exact() -> Table {
             paths,
         }),
         provenance,
+        passage: None,
     }
 }
 

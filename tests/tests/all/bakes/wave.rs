@@ -257,3 +257,88 @@ fn rounded(mesh: &std::path::Path, decimals: usize) {
     let text: Vec<String> = text.lines().map(line).collect();
     std::fs::write(mesh, text.join("\n") + "\n").unwrap();
 }
+
+/// Light behind a half mirror that divides s and p, by hand: TR is 0.4 x 0.6 and 0.7 x 0.3 for the
+/// two. Ideal mirrors keep both, so the mean is 0.225; a sheet that mixes them fully would pass
+/// 0.55 x 0.45 = 0.2475, and totally reflecting cubes lie between. A half mirror that reflects s and
+/// passes p, with a quarter-wave film before ideal mirrors, passes half of unpolarised light.
+///
+/// A ghost and haze lower the MTF by factors that have closed forms.
+#[test]
+fn a_setup_says_what_its_light_passes() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let ideal = bake_table(here, "triangular-pair", "0", "0");
+    let bare = here.join("bare");
+    std::fs::create_dir(&bare).unwrap();
+    let total = bake_table_with(&bare, "triangular-pair", "0", "0", "--back tir");
+    let total = bare.join(total).display().to_string();
+    let divided = "half_mirror_transmittance = { s = 0.4, p = 0.7 }\n\
+        half_mirror_reflectance = { s = 0.6, p = 0.3 }\n";
+    let film = "half_mirror_transmittance = { s = 0, p = 1 }\n\
+        half_mirror_reflectance = { s = 1, p = 0 }\nretarder = { waves = 0.25, axis_deg = 45 }\n";
+    let even = "half_mirror_transmittance = 0.5\nhalf_mirror_reflectance = 0.5\n";
+    let ghost = "ghost = { share = 0.25, tangential_mm = 2 }\n";
+    let haze = "haze = { share = 0.1, spread_deg = 5 }\n";
+    let predict = |table: &str, keys: &str| -> [f64; 2] {
+        std::fs::write(here.join("s.toml"), format!("[setup]\n{keys}")).unwrap();
+        let sheet = format!("--c 0.15 --a-times-r 700 --mu 1 --table {table} --setup s.toml");
+        let places = "--distance 300 --incidence 0 --frequency 0.25 --json";
+        let report = fit(here, &format!("predict {sheet} {places}")).done();
+        let report: Value = serde_json::from_str(&report).unwrap();
+        let along = &report["predictions"][0];
+        [&along["luminance"], &along["mtf"][0]].map(|own| own.as_f64().unwrap())
+    };
+    let third = 2.0 / 3.0;
+    let [plain, clear] = predict(&ideal, even);
+    assert!((plain - 0.25 * third).abs() < 1e-12, "{plain}");
+    let kept = predict(&ideal, divided)[0];
+    assert!((kept - 0.225 * third).abs() < 1e-12, "{kept}");
+    let between = predict(&total, divided)[0] / third;
+    assert!(between > 0.2251 && between < 0.2474, "{between}");
+    let doubled = predict(&ideal, film)[0];
+    assert!((doubled - 0.5 * third).abs() < 1e-12, "{doubled}");
+    // At 0.25 /mm a ghost 2 mm aside is out of phase: (1 - 0.25)/(1 + 0.25). Haze of 26 mm is gone.
+    let two = predict(&ideal, &format!("{even}{ghost}"))[1];
+    assert!((two - 0.6 * clear).abs() < 1e-12, "{two} {clear}");
+    let veiled = predict(&ideal, &format!("{even}{haze}"))[1];
+    assert!((veiled - 0.9 * clear).abs() < 1e-12, "{veiled} {clear}");
+    println!("6 predictions");
+}
+
+/// Every fault of a setup is refused with its file and what would be right.
+#[test]
+fn a_setup_that_cannot_be_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let ideal = bake_table(here, "triangular-pair", "0", "0");
+    let refused = |keys: &str, said: &str| {
+        std::fs::write(here.join("s.toml"), format!("[setup]\n{keys}")).unwrap();
+        let sheet = format!("--c 0.15 --a-times-r 700 --table {ideal} --setup s.toml");
+        let run = fit(
+            here,
+            &format!("predict {sheet} --distance 300 --incidence 0"),
+        );
+        assert_eq!(run.code, Some(1), "{keys}: {}", run.err);
+        assert!(
+            run.err.contains("s.toml") && run.err.contains(said),
+            "{keys}: {}",
+            run.err
+        );
+    };
+    let cases = [
+        ("polarisation = \"linear\"", "linear:DEG"),
+        ("analyser = \"circular:up\"", "circular:left"),
+        ("retarder = { waves = 0.25 }", "axis_deg"),
+        ("half_mirror_reflectance = { s = 2, p = 0 }", "from 0 to 1"),
+        ("spectrum = \"LED-B9\"", "LED-B5"),
+        ("camera_response = \"camera.csv\"", "spectrum"),
+        ("spectrum = \"D65\"\nwavelength_nm = 550", "leave one out"),
+        ("haze = { share = 2, spread_deg = 5 }", "at most 1"),
+        ("front_index = 0.5", "refractive index"),
+    ];
+    for (keys, said) in cases {
+        refused(keys, said);
+    }
+    println!("{} refusals", cases.len());
+}

@@ -149,6 +149,7 @@ impl Scene {
             exposure: conditions.exposure,
             axis_turn_rad: conditions.axis_turn_rad,
             seen_in_mirror: conditions.seen_in_mirror,
+            ghost: shot.ghost,
             sampled: None,
             rounding: shot.rounding,
             reduced_noise: shot.reduced_noise,

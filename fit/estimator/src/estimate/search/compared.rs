@@ -41,6 +41,8 @@ pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
         r_mm: shot.r_mm,
         normal: shot.normal(),
         further: choice.further,
+        ghost: shot.ghost,
+        haze: None,
         tangential_gain: tangential_gain(
             shot.incidence_deg.to_radians(),
             shot.direction.refractive_index,

@@ -12,6 +12,7 @@ use crate::images::{RenderProgress, Scale, Viewpoint};
 use edges::photographs::photo::picture::Picture;
 use estimator::estimate::Forward;
 use estimator::predict::Fitted;
+use estimator::result::ResultFile;
 use estimator::samples::Sampling;
 
 /// How an image is made.
@@ -67,6 +68,47 @@ impl Rendered {
     }
 }
 
+/// Renders red, green and blue by what each sees of the lamp, where the result tells this and the
+/// picture has colours; else all planes alike.
+fn in_colours(
+    source: &Picture,
+    sheet: &Fitted<'_>,
+    render: &dyn Fn(&Picture, &Fitted<'_>) -> Result<Rendered, Error>,
+) -> Result<Rendered, Error> {
+    let of_waves = sheet.result.colours.as_ref();
+    let Some(colours) = of_waves.filter(|_| source.planes.len() == 3) else {
+        return render(source, sheet);
+    };
+    let mut made: Option<Rendered> = None;
+    for (plane, colour) in source.planes.iter().zip(colours) {
+        let one = Picture {
+            planes: vec![plane.clone()],
+            warnings: Vec::new(),
+            ..*source
+        };
+        let result = ResultFile {
+            wavelength_nm: Some(colour.clone()),
+            ..sheet.result.clone()
+        };
+        let own = render(
+            &one,
+            &Fitted {
+                result: &result,
+                ..*sheet
+            },
+        )?;
+        made = Some(match made {
+            None => own,
+            Some(mut all) => {
+                all.image.planes.extend(own.image.planes);
+                all.transfer_error = all.transfer_error.max(own.transfer_error);
+                all
+            }
+        });
+    }
+    made.map_or_else(|| render(source, sheet), Ok)
+}
+
 /// Renders the image with one incidence and distance for all pixels.
 pub(super) fn from_afar(
     source: &Picture,
@@ -76,11 +118,11 @@ pub(super) fn from_afar(
     method: &Method<'_>,
 ) -> Result<Rendered, Error> {
     Ok(match method.forward {
-        Forward::Spectral => {
+        Forward::Spectral => in_colours(source, sheet, &|source, sheet| {
             let psf = render::uniform_psf(sheet, &place, scale, method.camera)?;
             let image = render::uniform(source, &psf, method.progress);
-            Rendered::by_transforms(image, vec![place], &[psf])
-        }
+            Ok(Rendered::by_transforms(image, vec![place], &[psf]))
+        })?,
         Forward::Render if method.camera.is_some() => return Err(Error::SampledCamera),
         Forward::Render => {
             let (sampling, progress) = (method.sampling, method.progress);
@@ -137,7 +179,7 @@ pub(super) fn from_camera(
 ) -> Result<Rendered, Error> {
     let (half_mirror, progress) = (sheet.result.half_mirror, method.progress);
     Ok(match method.forward {
-        Forward::Spectral => {
+        Forward::Spectral => in_colours(source, sheet, &|source, sheet| {
             let (image, tiles) =
                 render::viewed(source, sheet, view, half_mirror, tolerance, progress)?;
             let [width, height] = [source.width, source.height].map(|n| n as f64);
@@ -146,14 +188,14 @@ pub(super) fn from_camera(
                 seen.map(|seen| seen.place)
             });
             let places = places.collect::<Result<_, _>>()?;
-            Rendered {
+            Ok(Rendered {
                 tiles: Some(TileFacts {
                     counts: tiles.counts(),
                     error: tiles.error,
                 }),
                 ..Rendered::by_transforms(image, places, tiles.corners())
-            }
-        }
+            })
+        })?,
         Forward::Render => {
             let sampling = method.sampling;
             let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling, progress)?;

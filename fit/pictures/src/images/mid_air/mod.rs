@@ -18,6 +18,7 @@ use crate::images::mid_air::facts::range;
 use crate::images::mid_air::image::{Method, from_afar, from_afar_reduced, from_camera};
 use crate::images::mid_air::remarks::{beyond_the_rim, of_camera, of_image, of_reduced};
 use crate::images::render::camera::Camera;
+use crate::images::render::stray::{self, Around};
 use crate::images::render::view::CameraView;
 use crate::images::{RenderProgress, Scale, Viewpoint};
 
@@ -91,7 +92,7 @@ impl MidAir {
             camera: self.camera.as_ref(),
             progress,
         };
-        let (rendered, reduced, pitch_mm) = match &self.look {
+        let (mut rendered, reduced, pitch_mm) = match &self.look {
             Look::Camera { view, tolerance } => {
                 let rendered = from_camera(source, sheet, view, *tolerance, &method)?;
                 (rendered, None, view.pitch_mm())
@@ -118,6 +119,11 @@ impl MidAir {
             warnings.extend(spacious(source.width as f64 * pitch_mm, place.r_mm));
         }
         warnings.extend(beyond_the_rim(source, &rendered));
+
+        if !sheet.result.stray.is_none() {
+            let around = self.around(sheet, &places, pitch_mm);
+            stray::add(&mut rendered.image, source, &sheet.result.stray, &around);
+        }
 
         let (ambient, seen_in_mirror) = match &self.look {
             Look::Camera { view, .. } => (view.ambient, view.is_in_mirror()),
@@ -160,5 +166,21 @@ impl MidAir {
             warnings,
         };
         Ok((image, facts))
+    }
+
+    /// Returns where light goes astray: of a view, at the middle of its picture.
+    fn around(&self, sheet: &Fitted<'_>, places: &[Viewpoint], pitch_mm: f64) -> Around {
+        let middle = places.get(places.len() / 2);
+        let axes = match &self.look {
+            Look::Afar { scale, .. } => Scale { pitch_mm, ..*scale }.pixels_from_mm(),
+            Look::Camera { .. } => [[1.0 / pitch_mm, 0.0], [0.0, 1.0 / pitch_mm]],
+        };
+        let straight = matches!(&self.look, Look::Afar { place, .. } if place.incidence_deg == 0.0);
+        Around {
+            r_mm: middle.map_or(0.0, |place| place.r_mm),
+            pitch_mm,
+            axes,
+            front: straight.then_some(sheet.result.half_mirror),
+        }
     }
 }

@@ -77,6 +77,13 @@ pub(crate) fn section(page: &Page) -> String {
         Some(Parameter::Shared(_)) => " All incidence angles share one reflectance \u{b5}.",
         None => "",
     };
+    if let Some(said) = result.diffraction_in_words() {
+        let mut letters = said.chars();
+        let first = letters
+            .next()
+            .map_or(String::new(), |own| own.to_uppercase().to_string());
+        out.push_str(&format!("<p>{first}{}.</p>\n", letters.as_str()));
+    }
     out.push_str(&format!(
         "<p>In this table, \u{3c7}\u{b2} compares {compared}. The criterion is \u{3c7}\u{b2} \
          plus a price for every parameter: the natural logarithm of the number of independent \
