@@ -25,7 +25,7 @@ mod mesh;
 
 // The public interface.
 pub use cell::cell::CellOptions;
-pub use cell::cell::{Cell, Entrance};
+pub use cell::cell::{Cell, EdgeLengthFrom, Entrance};
 pub use cell::normalise::{load_cell, normalise};
 pub use cell::normals::Normals;
 pub use files::load::load;

@@ -452,7 +452,9 @@ class Result:
         width: float | None = None,
         tangential_axis: float | None = None,
         seen_in_mirror: bool = False,
+        luminance: float | None = None,
         ambient: float | None = None,
+        ambient_nits: float | None = None,
         exposure: float | None = None,
         auto_exposure: bool = False,
         camera: Result | File | None = None,
@@ -478,8 +480,11 @@ class Result:
             Side of a pixel in the plane of the image, mm; that of the photographs if left out.
         width : float, optional
             Width of the picture in the plane of the image, mm, in place of `pixel_pitch`.
-        exposure, ambient : float, optional
-            Factor on the light, and light behind the image.
+        exposure : float, optional
+            Factor on the light.
+        luminance, ambient, ambient_nits : float, optional
+            Luminance of the source's white (cd/m2), and light behind the image: a share of it, or
+            cd/m2.
         auto_exposure : bool
             True to make the brightest pixel as bright as that of the picture.
         camera : Result or path, optional
@@ -501,7 +506,9 @@ class Result:
             width=width,
             tangential_axis=tangential_axis,
             seen_in_mirror=seen_in_mirror,
+            luminance=luminance,
             ambient=ambient,
+            ambient_nits=ambient_nits,
             exposure=exposure,
             auto_exposure=auto_exposure,
             camera="camera" if isinstance(camera, Result) else camera,
@@ -548,6 +555,9 @@ class Result:
         width: float | None = None,
         nearest: float | None = None,
         farthest: float | None = None,
+        luminance: float | None = None,
+        ambient: float | None = None,
+        ambient_nits: float | None = None,
         transfer: str | None = None,
         threads: int | None = None,
         table: Table | None = None,
@@ -562,6 +572,8 @@ class Result:
             What the page shows first (mm, degrees, degrees, mm).
         nearest, farthest : float, optional
             Ends of the slider of distances, mm.
+        luminance, ambient, ambient_nits : float, optional
+            Light that the page shows first, as in `render`.
 
         Returns
         -------
@@ -575,6 +587,9 @@ class Result:
             width=width,
             nearest=nearest,
             farthest=farthest,
+            luminance=luminance,
+            ambient=ambient,
+            ambient_nits=ambient_nits,
             transfer=transfer,
             threads=threads,
         )

@@ -1,9 +1,11 @@
 //! Reports of a bake and of a comparison, as text for a person and as JSON for a script.
 
 use crate::run::{Baked, Between, Comparison};
+use meshes::EdgeLengthFrom;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
+use tables::cli::in_a_line;
 use tables::{Fate, Table};
 
 /// Report of `bake trace`.
@@ -14,6 +16,10 @@ pub(crate) struct Trace<'a> {
     pub file: &'a Path,
     /// Error between directions, as far as it was tried.
     pub between: Option<Between>,
+    /// Where the edge length comes from.
+    pub edge_length_from: EdgeLengthFrom,
+    /// Content of the file before, if it was another.
+    pub replaced: Option<String>,
 }
 
 impl Trace<'_> {
@@ -38,6 +44,15 @@ impl Trace<'_> {
         } else {
             writeln!(text, ", {seconds:.4} s")
         };
+        let _ = writeln!(
+            text,
+            "edge length: {} ({}), the unit of c",
+            self.length(),
+            self.length_from()
+        );
+        if let Some(before) = &self.replaced {
+            let _ = writeln!(text, "replaced: {before}");
+        }
         if let Some(own) = self.between {
             let hint = match table.provenance.direction_tolerance {
                 Some(_) => "",
@@ -54,6 +69,21 @@ impl Trace<'_> {
         text
     }
 
+    /// Returns the edge length with its unit.
+    fn length(&self) -> String {
+        let from = &self.baked.table.provenance;
+        format!("{} {}", from.edge_length, in_a_line(&from.edge_length_unit))
+    }
+
+    /// Returns where the edge length comes from.
+    const fn length_from(&self) -> &'static str {
+        match self.edge_length_from {
+            EdgeLengthFrom::User => "--edge-length",
+            EdgeLengthFrom::File => "stated by the mesh",
+            EdgeLengthFrom::Longest => "longest edge from the apex",
+        }
+    }
+
     /// Returns the report as JSON.
     pub(crate) fn json(&self) -> Value {
         let Baked { table, seconds } = self.baked;
@@ -62,6 +92,10 @@ impl Trace<'_> {
             "table": self.file.display().to_string(),
             "content_hash": table.content_hash(),
             "method": table.provenance.method.text(),
+            "edge_length": table.provenance.edge_length,
+            "edge_length_unit": table.provenance.edge_length_unit,
+            "edge_length_from": self.length_from(),
+            "replaced": self.replaced,
             "seconds": seconds,
             "rays": rays,
             "rays_per_second":

@@ -14,7 +14,7 @@ use meshes::Mesh;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
-use tables::cli::{fail, print, warn};
+use tables::cli::{fail, in_a_line, print, warn};
 use tables::{Output, Outputs, Table};
 
 /// Options of `bake trace`.
@@ -278,12 +278,16 @@ impl Job<'_> {
         let (Some(baked), Some(output)) = (baked, self.output) else {
             return Ok(None);
         };
+        let before = content(output.path());
         tables::commit(&baked.table, output)?;
         saved.remove();
+        let is_other = |(hash, _): &(String, String)| *hash != baked.table.content_hash();
         let report = report::Trace {
             baked: &baked,
             file: self.file,
             between: self.bake.between(&baked.table),
+            edge_length_from: self.bake.prepared.cell().edge_length_from,
+            replaced: before.filter(is_other).map(|(_, words)| words),
         };
         warn(remarks::of_table(&baked.table));
         if !args.json {
@@ -291,6 +295,26 @@ impl Job<'_> {
         }
         Ok(Some(report.json()))
     }
+}
+
+/// Returns the content hash of the table at a place, and a description of what is there; `None` if
+/// nothing is.
+fn content(file: &Path) -> Option<(String, String)> {
+    if !file.exists() {
+        return None;
+    }
+    let Ok(table) = tables::read(file) else {
+        return Some((String::new(), "a file that was no table".into()));
+    };
+    let (incidences, azimuths) = table.axes.shape();
+    let hash = table.content_hash();
+    let words = format!(
+        "a table of {}, {} directions, content {}",
+        in_a_line(&table.provenance.design),
+        incidences * azimuths,
+        hash.chars().take(12).collect::<String>()
+    );
+    Some((hash, words))
 }
 
 /// Reads what an interrupted bake of the same table has saved, if `resume` asks for it.

@@ -26,6 +26,7 @@ pub(super) fn faces(apex: DVec3, ends: [DVec3; 3]) -> Vec<[DVec3; 3]> {
 
 pub(super) fn cell(facets: Vec<[DVec3; 3]>, entrance: Entrance, design: &str) -> Cell {
     Cell {
+        edge_length_from: meshes::EdgeLengthFrom::User,
         facets,
         normals: None,
         glass: Vec::new(),

@@ -23,6 +23,12 @@ pub enum Error {
     /// Sheet without a blur at this place.
     #[error(transparent)]
     Sheet(#[from] estimator::Error),
+    /// Sheet of a comparison, by name, without numbers at a place.
+    #[error("{}: {}", .0, .1)]
+    Contender(String, estimator::Error),
+    /// Viewer who does not see the image in front of the sheet.
+    #[error("{}", .0)]
+    Seat(String),
     /// Blur that reaches too many pixels.
     #[error(
         "the blur at incidence {incidence_deg} deg, distance {r_mm} mm is {size} pixels wide, and \

@@ -208,7 +208,8 @@ pub fn render(
     let pool = terminal::pool(arguments.threads).map_err(Failure::from)?;
     let wanted = arguments.wanted(&sheet, source.width, camera)?;
     let made = pool.install(|| wanted.image(&sheet, &source, SILENT));
-    let (image, facts) = made.map_err(Failure::from)?;
+    let (image, mut facts) = made.map_err(Failure::from)?;
+    facts.lit_by(arguments.light.luminance);
     Ok((image, output::json(&facts)))
 }
 

@@ -10,6 +10,7 @@ use tables::{Outputs, Table};
 use crate::cli::estimate::read_channel;
 use crate::cli::failure::Failure;
 use crate::cli::options::by_hand::Numbers;
+use crate::cli::options::light::Light;
 use crate::cli::options::parse;
 use crate::cli::output;
 use crate::cli::progress::Bar;
@@ -20,6 +21,7 @@ use estimator::predict::{Fitted, NEAR_MM};
 use estimator::result::ResultFile;
 use pictures::explore::{self, Explorer, Source, Span, Start};
 use pictures::images::mid_air::spacious;
+use pictures::images::shown;
 
 /// Writes a page in which you move sliders and see the mid-air image at once.
 #[derive(Debug, clap::Args)]
@@ -139,6 +141,9 @@ pub(crate) struct Arguments {
         help_heading = "Page"
     )]
     pub farthest: Option<f64>,
+    /// Light that the page shows first.
+    #[command(flatten)]
+    pub light: Light,
     /// Number of threads; one per core if left out.
     #[arg(
         long,
@@ -165,7 +170,7 @@ const FARTHEST_MM: f64 = 3000.0;
 const FACTOR: [f64; 2] = [0.5, 2.0];
 
 /// Longest side of a picture in the page, pixels.
-const SIDE: u32 = 512;
+const SIDE: usize = 512;
 
 /// Facts about a page.
 #[derive(Serialize)]
@@ -364,6 +369,8 @@ impl Arguments {
             incidence: self.incidence,
             azimuth: self.azimuth.map(|azimuth| azimuth.rem_euclid(360.0)),
             width: self.width,
+            luminance: self.light.luminance,
+            ambient: Some(self.light.ambient()).filter(|own| *own > 0.0),
         })
     }
 
@@ -409,28 +416,11 @@ impl Arguments {
 
 /// Returns a picture as a PNG of at most [`SIDE`] pixels, in sRGB.
 fn embedded(file: &Path, picture: &Picture) -> Source {
-    let [width, height] = [picture.width, picture.height].map(|side| side as u32);
-    let scale = f64::from(SIDE) / f64::from(width.max(height));
-    let shown = |side: u32| ((f64::from(side) * scale.min(1.0)).round() as u32).max(1);
-    let light = image::Rgb32FImage::from_fn(width, height, |x, y| {
-        let at = y as usize * picture.width + x as usize;
-        let plane = |k: usize| picture.planes[k.min(picture.planes.len() - 1)][at];
-        image::Rgb([plane(0), plane(1), plane(2)])
-    });
-    let filter = image::imageops::FilterType::Triangle;
-    let light = image::imageops::resize(&light, shown(width), shown(height), filter);
-    let code = |light: f32| (255.0 * Transfer::Srgb.to_stored(light)).round() as u8;
-    let codes = image::RgbImage::from_fn(light.width(), light.height(), |x, y| {
-        image::Rgb(light.get_pixel(x, y).0.map(code))
-    });
-    let mut png = std::io::Cursor::new(Vec::new());
-    // Memory takes every byte, so that encoding cannot fail.
-    let _ = codes.write_to(&mut png, image::ImageFormat::Png);
     Source {
         name: file
             .file_name()
             .map(|name| name.to_string_lossy().into_owned())
             .unwrap_or_default(),
-        png: png.into_inner(),
+        png: shown::png(&shown::at_most(picture, SIDE)),
     }
 }

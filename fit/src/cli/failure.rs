@@ -158,7 +158,11 @@ impl Failure {
             Failure::Table(tables::Error::PlotExtension(_)) => 2,
             Failure::Frequency { .. } | Failure::Usage(_) => 2,
             #[cfg(feature = "full")]
-            Failure::Pictures(pictures::Error::Ending(_) | pictures::Error::SampledCamera) => 2,
+            Failure::Pictures(
+                pictures::Error::Ending(_)
+                | pictures::Error::SampledCamera
+                | pictures::Error::Seat(_),
+            ) => 2,
             _ => 1,
         }
     }

@@ -5,6 +5,8 @@
 
 #[cfg(feature = "full")]
 pub mod calls;
+#[cfg(feature = "full")]
+mod compare;
 mod estimate;
 #[cfg(feature = "full")]
 mod explore;

@@ -95,8 +95,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", help_heading = "Result")]
     pub channel: Option<String>,
     /// Spatial frequencies in the image, 1/mm.
-    #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = terminal::list)]
-    pub frequency: std::vec::Vec<f64>,
+    ///
+    /// Without this option there are 101, from 0 to where the last of the MTFs is below a tenth.
+    #[arg(long, value_name = "LIST", value_parser = terminal::list)]
+    pub frequency: Option<std::vec::Vec<f64>>,
     /// Model that is required.
     ///
     /// The command fails if the result is of another model. Without this option, any model will do.
@@ -176,7 +178,9 @@ impl OldNames<Around> {
 /// cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     #[cfg(feature = "full")]
-    if arguments.against.is_some() && arguments.frequency.len() > MOST_CURVES {
+    let many = (arguments.frequency.as_ref()).is_none_or(|all| all.len() > MOST_CURVES);
+    #[cfg(feature = "full")]
+    if arguments.against.is_some() && many {
         return Err(Failure::conflict(
             "fit predict",
             format!(
@@ -261,19 +265,29 @@ pub(super) fn predicted(
         floating_distance_mm: arguments.distance.clone(),
         incidence_deg: arguments.incidence.clone(),
         azimuth_deg: parse::usual_azimuth(table, result),
-        frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
+        frequency_per_mm: Vec::new(),
     };
     let mut predictions = Vec::new();
     #[cfg(feature = "full")]
     let mut polar = Vec::new();
     let azimuths = arguments.azimuth.iter().flatten().copied().map(Some);
     let azimuths: Vec<Option<f64>> = azimuths.collect();
-    let own = [places.azimuth_deg];
-    for &azimuth_deg in if azimuths.is_empty() {
-        &own
-    } else {
-        &azimuths[..]
-    } {
+    let azimuths = match azimuths.is_empty() {
+        true => vec![places.azimuth_deg],
+        false => azimuths,
+    };
+    places.frequency_per_mm = match &arguments.frequency {
+        Some(listed) => listed.iter().map(|f| f.abs()).collect(),
+        None => {
+            let mut found = Vec::new();
+            for &azimuth_deg in &azimuths {
+                places.azimuth_deg = azimuth_deg;
+                found.extend(predict(result, table, &places)?);
+            }
+            usual_frequencies(&found)
+        }
+    };
+    for azimuth_deg in azimuths {
         places.azimuth_deg = azimuth_deg;
         predictions.extend(predict(result, table, &places)?);
         #[cfg(feature = "full")]
@@ -303,6 +317,29 @@ pub(super) fn predicted(
         around: polar,
         warnings,
     })
+}
+
+/// Number of steps of the usual frequencies.
+const STEPS: usize = 100;
+
+/// Frequency up to which an MTF is shown that nowhere falls to a tenth, 1/mm.
+const SHARP_PER_MM: f64 = 5.0;
+
+/// Returns frequencies from 0 to a round number at which the last of some MTFs is below a tenth,
+/// 1/mm.
+fn usual_frequencies(predictions: &[Prediction]) -> Vec<f64> {
+    // An MTF that is a tenth at f is nearly nothing at 1.25 f.
+    let ends = predictions.iter().filter(|own| own.retroreflected > 0.0);
+    let ends = ends.map(|own| own.mtf10_per_mm.map_or(SHARP_PER_MM, |f| 1.25 * f));
+    let last = ends.fold(0.0, f64::max);
+    let last = if last > 0.0 { last } else { SHARP_PER_MM };
+    let power = 10_f64.powf(last.log10().floor());
+    let round = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0].map(|part| part * power);
+    let end = round
+        .into_iter()
+        .find(|end| *end >= last)
+        .unwrap_or(10.0 * power);
+    (0..=STEPS).map(|k| end * k as f64 / STEPS as f64).collect()
 }
 
 /// Returns CSV with one row per place and frequency. The luminance is 0 and the MTF is empty at
@@ -345,4 +382,52 @@ fn csv(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
 /// Returns the ends of an interval as two columns of CSV, empty without an interval.
 fn ends(interval: Option<&[f64; 2]>) -> String {
     interval.map_or(",".into(), |[low, high]| format!("{low:.6},{high:.6}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The usual frequencies end at a round number beyond the last MTF10, and at 5 /mm where
+    /// nothing falls so far.
+    #[test]
+    fn usual_frequencies_follow_the_mtf() {
+        let of = |falls: &[Option<f64>]| {
+            let own = |&mtf10_per_mm: &Option<f64>| Prediction {
+                floating_distance_mm: 3000.0,
+                incidence_deg: 0.0,
+                azimuth_deg: None,
+                axis: Axis::Sagittal,
+                retroreflected: 0.5,
+                interpolated: false,
+                luminance: None,
+                luminance_interval: None,
+                mtf50_per_mm: None,
+                mtf50_per_mm_interval: None,
+                mtf10_per_mm,
+                mtf10_per_mm_interval: None,
+                mtf: Vec::new(),
+                mtf_interval: Vec::new(),
+                outside: Vec::new(),
+            };
+            usual_frequencies(&falls.iter().map(own).collect::<Vec<_>>())
+        };
+        let cases: [(&[Option<f64>], f64); 5] = [
+            (&[Some(0.021), Some(0.034)], 0.05),
+            (&[Some(0.8)], 1.0),
+            (&[Some(3.9)], 5.0),
+            (&[None, Some(0.1)], 5.0),
+            (&[], 5.0),
+        ];
+        for (falls, end) in cases {
+            let found = of(falls);
+            assert_eq!((found.len(), found[0]), (101, 0.0));
+            assert!(
+                (found[100] / end - 1.0).abs() < 1e-12,
+                "{falls:?}: {}",
+                found[100]
+            );
+            assert!((found[1] / end - 0.01).abs() < 1e-12);
+        }
+    }
 }

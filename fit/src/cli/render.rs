@@ -10,6 +10,7 @@ use tables::{Outputs, Table};
 use crate::cli::estimate::{check_model, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::options::by_hand::Numbers;
+use crate::cli::options::light::Light;
 use crate::cli::options::parse;
 use crate::cli::options::sampled::Samples;
 use crate::cli::output;
@@ -39,8 +40,8 @@ Examples:
   fit render --source content.png --params result.json --table pair.h5 \\
       --distance 300 --incidence 20 --azimuth 30 -o aerial.exr
   fit render --source content.png --params result.json --table pair.h5 \\
-      --distance 150 --incidence 0 --azimuth 30 --exposure 10 --ambient 0.002 \\
-      -o aerial.png --json
+      --distance 150 --incidence 0 --azimuth 30 --exposure 10 --luminance 500 \\
+      --ambient-nits 1 -o aerial.png --json
   fit render --source content.png --params result.json --table pair.h5 \\
       --distance 300 --incidence 20 --azimuth 30 --forward render --samples 64 \\
       -o sampled.exr --json
@@ -134,7 +135,7 @@ pub(crate) struct Arguments {
         value_name = "VIEW.toml",
         conflicts_with_all = [
             "distance", "incidence", "azimuth", "pixel_pitch", "width", "tangential_axis",
-            "seen_in_mirror", "ambient"
+            "seen_in_mirror", "ambient", "ambient_nits"
         ],
         help_heading = "Place"
     )]
@@ -195,17 +196,9 @@ pub(crate) struct Arguments {
     /// straight, that axis is 90 degrees counter-clockwise from the tangential one.
     #[arg(long, help_heading = "Picture")]
     pub seen_in_mirror: bool,
-    /// Luminance behind the image; source white is 1.
-    ///
-    /// It is the light of the scene that is seen through the mid-air image.
-    #[arg(
-        long,
-        value_name = "L",
-        default_value_t = 0.0,
-        value_parser = parse::not_negative,
-        help_heading = "Picture"
-    )]
-    pub ambient: f64,
+    /// Light of source and room.
+    #[command(flatten)]
+    pub light: Light,
     /// Factor on the light of the result, like an exposure.
     #[arg(
         long,
@@ -309,6 +302,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let made = pool.install(|| wanted.image(&sheet, &source, &show));
     progress.done();
     let (image, mut facts) = made?;
+    facts.lit_by(arguments.light.luminance);
     let rendered = started.elapsed().as_secs_f64();
 
     facts.warnings.extend(clipped(&image, writing));
@@ -406,7 +400,7 @@ impl Arguments {
             camera: camera.transpose()?,
             forward: self.forward,
             sampling: self.samples.sampling(),
-            ambient: self.ambient,
+            ambient: self.light.ambient(),
             exposure: match self.auto_exposure {
                 true => Exposure::Automatic,
                 false => Exposure::Factor(self.exposure),

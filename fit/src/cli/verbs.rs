@@ -12,9 +12,9 @@ use crate::cli::explore;
 use crate::cli::failure::Failure;
 #[cfg(feature = "full")]
 use crate::cli::render;
-use crate::cli::{estimate, mtf, predict};
 #[cfg(feature = "full")]
-use crate::cli::{export, simulate, study};
+use crate::cli::{compare, export, simulate, study};
+use crate::cli::{estimate, mtf, predict};
 
 /// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from
 /// photographs of mid-air images, and predicts what the sheet shows elsewhere.
@@ -44,6 +44,8 @@ enum Verb {
     Render(render::Arguments),
     #[cfg(feature = "full")]
     Explore(explore::Arguments),
+    #[cfg(feature = "full")]
+    Compare(compare::Arguments),
     /// Names the heir of a verb that is gone.
     #[command(hide = true)]
     Evaluate {
@@ -78,6 +80,8 @@ pub fn main(commit: Option<&str>) -> ExitCode {
         Verb::Render(arguments) => render::run(&arguments),
         #[cfg(feature = "full")]
         Verb::Explore(arguments) => explore::run(&arguments),
+        #[cfg(feature = "full")]
+        Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Evaluate { .. } => Err(Failure::Evaluate),
         #[cfg(feature = "full")]
         Verb::Simulate(arguments) => simulate::run(&arguments),

@@ -47,6 +47,8 @@ pub struct Cell {
     pub closed: bool,
     /// Length of one edge in file units: the unit of the cell frame.
     pub edge_length: f64,
+    /// Where this length comes from.
+    pub edge_length_from: EdgeLengthFrom,
     /// Unit of the file's lengths, if somebody says it. No format's own is taken.
     pub unit: Option<String>,
     /// Direction of the first edge (azimuth 0) in the file's frame, unit length; for the table's
@@ -58,6 +60,18 @@ pub struct Cell {
     pub mesh_hash: String,
     /// Repairs and assumptions, for the user.
     pub warnings: Vec<String>,
+}
+
+/// Where the edge length of a cell comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EdgeLengthFrom {
+    /// The user gave it.
+    User,
+    /// The mesh file states it.
+    File,
+    /// It is the longest edge from the apex. In a truncated cell that is less than the edge of the
+    /// whole cube.
+    Longest,
 }
 
 impl Cell {

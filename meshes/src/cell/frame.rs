@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::cell::apex::{Corner, Fans};
-use crate::cell::cell::CellOptions;
+use crate::cell::cell::{CellOptions, EdgeLengthFrom};
 use crate::cell::surface::Surface;
 use crate::mesh::error::Fault;
 
@@ -19,6 +19,8 @@ pub(crate) struct Frame {
     pub axes: [DVec3; 3],
     /// Unit of the cell frame: length of an edge, file units.
     pub edge_length: f64,
+    /// Where this length comes from.
+    pub edge_length_from: EdgeLengthFrom,
     /// Length of an edge that the file states, or of the longest edge of the first cube, file
     /// units; `None` without both.
     pub found_edge_length: Option<f64>,
@@ -70,6 +72,11 @@ impl Frame {
             .edge_length
             .or(found_edge_length)
             .ok_or(Fault::NoApex)?;
+        let edge_length_from = match (options.edge_length, mesh.edge_length) {
+            (Some(_), _) => EdgeLengthFrom::User,
+            (None, Some(_)) => EdgeLengthFrom::File,
+            (None, None) => EdgeLengthFrom::Longest,
+        };
         let azimuth_zero = options
             .azimuth_zero
             .or(mesh.azimuth_zero)
@@ -101,6 +108,7 @@ impl Frame {
             apex: mesh.positions[origin as usize],
             axes,
             edge_length,
+            edge_length_from,
             found_edge_length,
             azimuth_zero,
             has_apex: apex.is_some(),

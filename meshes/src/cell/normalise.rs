@@ -242,6 +242,7 @@ fn placed(
         abbe_number: mesh.abbe_number.filter(|_| closed),
         closed,
         edge_length: frame.edge_length,
+        edge_length_from: frame.edge_length_from,
         unit: None,
         azimuth_zero: frame.azimuth_zero,
         design: mesh.design.clone(),

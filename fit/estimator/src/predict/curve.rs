@@ -148,6 +148,12 @@ impl Curve<'_> {
         }
     }
 
+    /// Returns the derivative of the MTF by the frequency, mm, at a frequency above 0.
+    pub(crate) fn slope(&self, frequency_per_mm: f64) -> f64 {
+        let step = SLOPE_STEP * frequency_per_mm;
+        (self.mtf(frequency_per_mm + step) - self.mtf(frequency_per_mm - step)) / (2.0 * step)
+    }
+
     /// Finds the frequency (1/mm) at which the MTF first falls to `level`, to 1e-12 of itself, with
     /// its derivatives. Returns `None` if the MTF does not fall so far below 1e5 /mm.
     pub(crate) fn falls_to(&self, level: f64) -> Option<Derived> {
@@ -177,8 +183,7 @@ impl Curve<'_> {
                 high = middle;
             }
         }
-        let step = SLOPE_STEP * high;
-        let slope = (self.mtf(high + step) - self.mtf(high - step)) / (2.0 * step);
+        let slope = self.slope(high);
         let at = self.derived(high);
         at.value.is_finite().then(|| Derived {
             value: high,

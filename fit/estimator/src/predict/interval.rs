@@ -67,7 +67,7 @@ impl<'a> Uncertainty<'a> {
     ///
     /// It is `None` without a covariance, and if that has no finite entry for a parameter on which
     /// the number depends.
-    fn standard_error(&self, by: [f64; 4]) -> Option<f64> {
+    pub(crate) fn standard_error(&self, by: [f64; 4]) -> Option<f64> {
         if self.matrix.is_empty() {
             return None;
         }
@@ -89,24 +89,23 @@ impl<'a> Uncertainty<'a> {
         (variance >= 0.0).then(|| variance.sqrt())
     }
 
-    /// Returns the 95 % interval of a number of the blur, within `least` and `most`. `beside` is a
-    /// standard error that the parameters do not cause.
-    pub(crate) fn of_blur(
-        &self,
-        number: &Derived,
-        beside: f64,
-        [least, most]: [f64; 2],
-    ) -> Option<[f64; 2]> {
+    /// Returns the standard error of a number of the blur. `beside` is a standard error that the
+    /// parameters do not cause.
+    pub(crate) fn of_blur(&self, number: &Derived, beside: f64) -> Option<f64> {
         let [by_spread, by_c, by_angular] = number.by_blur;
         let by = [by_spread, by_c, by_angular, 0.0];
-        let half = HALF_WIDTH * self.standard_error(by)?.hypot(beside);
-        Some([number.value - half, number.value + half].map(|v| v.clamp(least, most)))
+        Some(self.standard_error(by)?.hypot(beside))
     }
 
-    /// Returns the 95 % interval of a luminance, which is `by_mu` times mu. `beside` is a standard
+    /// Returns the standard error of a luminance, which is `by_mu` times mu. `beside` is a standard
     /// error that mu does not cause.
-    pub(crate) fn of_luminance(&self, luminance: f64, by_mu: f64, beside: f64) -> Option<[f64; 2]> {
-        let half = HALF_WIDTH * self.standard_error([0.0, 0.0, 0.0, by_mu])?.hypot(beside);
-        Some([luminance - half, luminance + half].map(|v| v.max(0.0)))
+    pub(crate) fn of_luminance(&self, by_mu: f64, beside: f64) -> Option<f64> {
+        Some(self.standard_error([0.0, 0.0, 0.0, by_mu])?.hypot(beside))
     }
+}
+
+/// Returns the 95 % interval of a number with this standard error, within `least` and `most`.
+pub(crate) fn interval(value: f64, standard_error: f64, [least, most]: [f64; 2]) -> [f64; 2] {
+    let half = HALF_WIDTH * standard_error;
+    [value - half, value + half].map(|v| v.clamp(least, most))
 }

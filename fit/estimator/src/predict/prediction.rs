@@ -6,9 +6,9 @@ use tables::{Direction, Table};
 use crate::error::Error;
 use crate::predict::curve::{Curve, Derived, Line};
 use crate::predict::domain::{Viewpoint, outside};
-use crate::predict::interval::Uncertainty;
+use crate::predict::interval::{Uncertainty, interval};
 use crate::predict::sheet::Fitted;
-use crate::result::ResultFile;
+use crate::result::{Number, ResultFile};
 
 /// Axis of the image along which the contrast of a pattern is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -135,32 +135,12 @@ pub fn predict(
     let sheet = Fitted::new(result, table)?;
     let mut predictions = Vec::new();
     for &incidence_deg in &places.incidence_deg {
-        let direction = table.direction(incidence_deg, places.azimuth_deg)?;
-        let sides = sheet.beside(incidence_deg, places.azimuth_deg);
-        let at = Incidence {
-            sheet,
-            incidence_deg,
-            azimuth_deg: places.azimuth_deg,
-            direction: &direction,
-            sides: &sides,
-            uncertainty: Uncertainty::new(result, incidence_deg),
-        };
-        let mut lines = Vec::new();
-        for axis in [Axis::Tangential, Axis::Sagittal] {
-            let of = |direction| Line::new(&sheet, direction, incidence_deg, axis.normal());
-            let sides = sides.iter().map(of).collect::<Result<Vec<_>, _>>()?;
-            lines.push((axis, of(&direction)?, sides));
-        }
+        let at = Incidence::new(sheet, incidence_deg, places.azimuth_deg)?;
+        let lines = at.lines()?;
         for &r_mm in &places.floating_distance_mm {
-            for (axis, line, sides) in &lines {
-                let seen = AxisCurve {
-                    curve: line.as_ref().map(|line| line.at(r_mm)),
-                    sides: sides
-                        .iter()
-                        .filter_map(|line| Some(line.as_ref()?.at(r_mm)))
-                        .collect(),
-                };
-                predictions.push(at.prediction(*axis, r_mm, &seen, &places.frequency_per_mm));
+            for line in &lines {
+                let seen = line.at(r_mm);
+                predictions.push(at.prediction(line.axis, r_mm, &seen, &places.frequency_per_mm));
             }
         }
     }
@@ -168,41 +148,96 @@ pub fn predict(
 }
 
 /// Sheet at one direction of incidence.
-struct Incidence<'a> {
-    sheet: Fitted<'a>,
-    incidence_deg: f64,
+pub(crate) struct Incidence<'a> {
+    pub sheet: Fitted<'a>,
+    pub incidence_deg: f64,
     azimuth_deg: Option<f64>,
-    direction: &'a Direction,
+    pub direction: Direction,
     /// Directions at one standard error of a fitted azimuth to either side; else none.
-    sides: &'a [Direction],
-    uncertainty: Uncertainty<'a>,
+    pub sides: Vec<Direction>,
+    pub uncertainty: Uncertainty<'a>,
+}
+
+/// Sheet at one direction of incidence, along one axis of the image.
+pub(crate) struct AxisLine {
+    axis: Axis,
+    line: Option<Line>,
+    sides: Vec<Option<Line>>,
+}
+
+impl AxisLine {
+    /// Returns the MTF at the distance R, mm.
+    pub(crate) fn at(&self, r_mm: f64) -> AxisCurve<'_> {
+        let sides = self.sides.iter();
+        AxisCurve {
+            curve: self.line.as_ref().map(|line| line.at(r_mm)),
+            sides: sides
+                .filter_map(|line| Some(line.as_ref()?.at(r_mm)))
+                .collect(),
+        }
+    }
 }
 
 /// MTF along one axis at one distance.
-struct AxisCurve<'a> {
+pub(crate) struct AxisCurve<'a> {
     /// Curve of the direction; `None` without light.
-    curve: Option<Curve<'a>>,
+    pub curve: Option<Curve<'a>>,
     /// Curves at one standard error of a fitted azimuth to either side; else none.
-    sides: Vec<Curve<'a>>,
+    pub sides: Vec<Curve<'a>>,
 }
 
 impl AxisCurve<'_> {
     /// Returns the standard error that the azimuth causes in a number of the curve.
-    fn by_azimuth(&self, number: impl Fn(&Curve) -> Option<f64>) -> f64 {
+    pub(crate) fn by_azimuth(&self, number: impl Fn(&Curve) -> Option<f64>) -> f64 {
         let sides: Option<Vec<f64>> = self.sides.iter().map(number).collect();
         half_difference(sides.as_deref().unwrap_or_default())
     }
 }
 
 /// Returns half the difference of two numbers, or 0 without them.
-fn half_difference(sides: &[f64]) -> f64 {
+pub(crate) fn half_difference(sides: &[f64]) -> f64 {
     match sides {
         [low, high] => 0.5 * (high - low).abs(),
         _ => 0.0,
     }
 }
 
-impl Incidence<'_> {
+impl<'a> Incidence<'a> {
+    /// Looks up a direction of a sheet.
+    ///
+    /// # Errors
+    /// Returns [`Error::Table`] if the table does not have the direction.
+    pub(crate) fn new(
+        sheet: Fitted<'a>,
+        incidence_deg: f64,
+        azimuth_deg: Option<f64>,
+    ) -> Result<Incidence<'a>, Error> {
+        Ok(Incidence {
+            sheet,
+            incidence_deg,
+            azimuth_deg,
+            direction: sheet.table.direction(incidence_deg, azimuth_deg)?,
+            sides: sheet.beside(incidence_deg, azimuth_deg),
+            uncertainty: Uncertainty::new(sheet.result, incidence_deg),
+        })
+    }
+
+    /// Projects the direction on both axes of the image.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Line::new`].
+    pub(crate) fn lines(&self) -> Result<[AxisLine; 2], Error> {
+        let of = |axis: Axis| -> Result<AxisLine, Error> {
+            let line = |own| Line::new(&self.sheet, own, self.incidence_deg, axis.normal());
+            Ok(AxisLine {
+                axis,
+                line: line(&self.direction)?,
+                sides: self.sides.iter().map(line).collect::<Result<_, _>>()?,
+            })
+        };
+        Ok([of(Axis::Tangential)?, of(Axis::Sagittal)?])
+    }
+
     /// Makes the prediction of one curve.
     fn prediction(
         &self,
@@ -221,8 +256,9 @@ impl Incidence<'_> {
         let crossing = |level| {
             let found = curve?.falls_to(level)?;
             let beside = seen.by_azimuth(|side| Some(side.falls_to(level)?.value));
-            let interval = uncertainty.of_blur(&found, beside, [0.0, f64::INFINITY]);
-            Some((found.value, interval))
+            let error = uncertainty.of_blur(&found, beside);
+            let ends = error.map(|error| interval(found.value, error, [0.0, f64::INFINITY]));
+            Some((found.value, ends))
         };
         let (half, tenth) = (crossing(0.5), crossing(0.1));
         let place = Viewpoint {
@@ -230,11 +266,12 @@ impl Incidence<'_> {
             azimuth_deg: self.azimuth_deg,
             r_mm: floating_distance_mm,
         };
-        let (luminance, luminance_interval) = self.luminance();
+        let luminance = self.luminance();
         let domain = sheet.result.domain.as_ref();
         let intervals = mtf.iter().zip(frequency_per_mm).map(|(point, &f)| {
             let beside = seen.by_azimuth(|side| Some(side.mtf(f)));
-            uncertainty.of_blur(point, beside, [0.0, 1.0])
+            let error = uncertainty.of_blur(point, beside)?;
+            Some(interval(point.value, error, [0.0, 1.0]))
         });
         Prediction {
             floating_distance_mm,
@@ -243,8 +280,11 @@ impl Incidence<'_> {
             axis,
             retroreflected: self.direction.retroreflected,
             interpolated: self.direction.interpolated,
-            luminance,
-            luminance_interval,
+            luminance: luminance.value,
+            luminance_interval: luminance
+                .value
+                .zip(luminance.standard_error)
+                .map(|(value, error)| interval(value, error, [0.0, f64::INFINITY])),
             mtf50_per_mm: half.map(|(value, _)| value),
             mtf50_per_mm_interval: half.and_then(|(_, interval)| interval),
             mtf10_per_mm: tenth.map(|(value, _)| value),
@@ -257,15 +297,14 @@ impl Incidence<'_> {
         }
     }
 
-    /// Returns the luminance, with its 95 % interval.
-    fn luminance(&self) -> (Option<f64>, Option<[f64; 2]>) {
+    /// Returns the luminance of the mid-air image divided by that of the source.
+    pub(crate) fn luminance(&self) -> Number {
         let sheet = &self.sheet;
         let of = |eta| sheet.luminance(self.incidence_deg, eta);
         let eta = self.direction.retroreflected;
         let Some(luminance) = of(eta) else {
-            return (None, None);
+            return Number::UNKNOWN;
         };
-        let by_mu = sheet.returned(self.incidence_deg, eta) * sheet.result.half_mirror;
         let by_rays = of(eta + self.direction.standard_error).map_or(0.0, |more| more - luminance);
         let sides: Option<Vec<f64>> = self
             .sides
@@ -274,10 +313,16 @@ impl Incidence<'_> {
             .collect();
         let by_azimuth = half_difference(sides.as_deref().unwrap_or_default());
         let beside = by_rays.hypot(by_azimuth);
-        (
-            Some(luminance),
-            self.uncertainty.of_luminance(luminance, by_mu, beside),
-        )
+        Number {
+            value: Some(luminance),
+            standard_error: self.uncertainty.of_luminance(self.light_by_mu(), beside),
+        }
+    }
+
+    /// Returns the derivative of the luminance by mu.
+    pub(crate) fn light_by_mu(&self) -> f64 {
+        let returned = (self.sheet).returned(self.incidence_deg, self.direction.retroreflected);
+        returned * self.sheet.result.half_mirror
     }
 }
 

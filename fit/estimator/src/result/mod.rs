@@ -1,9 +1,10 @@
 //! RESULT.json: an estimate, written to a file and read from it.
 //!
 //! An estimate and its table enter. A structure leaves whose fields are the keys of the file. The
-//! module computes nothing. It knows parameters as types; their text form (`a_per_mm_at_20`) exists
+//! module computes nothing but the scatter of several results. It knows parameters as types; their text form (`a_per_mm_at_20`) exists
 //! only in the file.
 
+pub mod agreement;
 mod by_hand;
 mod domain;
 mod nominal;

@@ -72,6 +72,14 @@ pub struct AtAngle {
     pub standard_error: Option<f64>,
 }
 
+impl Number {
+    /// Number that is not known.
+    pub const UNKNOWN: Number = Number {
+        value: None,
+        standard_error: None,
+    };
+}
+
 impl Parameter {
     /// Returns the value at an incidence angle.
     ///

@@ -21,6 +21,7 @@ mod further;
 mod goodness;
 mod known;
 mod lamps;
+mod legibility;
 mod lens;
 mod mirror;
 mod nominal;

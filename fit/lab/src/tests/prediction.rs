@@ -17,7 +17,7 @@ use estimator::predict::{Places, Prediction, Viewpoint, predict, remarks};
 use estimator::result::{Number, Parameter, ResultFile, TableResult};
 
 /// A result with correlated errors: c, the spread at 0 and at 40 degrees, and mu.
-fn result(kernel: Kernel, lobe: LobeShape, table: &Table) -> ResultFile {
+pub(super) fn result(kernel: Kernel, lobe: LobeShape, table: &Table) -> ResultFile {
     let spread = match kernel {
         Kernel::Angular => 600.0,
         Kernel::Saito | Kernel::SaitoSurface | Kernel::Guo | Kernel::Mrm => 2e-3,
@@ -281,7 +281,7 @@ fn ends(found: &Prediction) -> Vec<[f64; 2]> {
 }
 
 /// A result in which one parameter is moved.
-fn with(result: &ResultFile, id: ParameterId, by: f64) -> ResultFile {
+pub(super) fn with(result: &ResultFile, id: ParameterId, by: f64) -> ResultFile {
     let mut moved = serde_json::to_value(result).unwrap();
     let within = match id.incidence_deg {
         None => "value",

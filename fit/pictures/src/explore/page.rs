@@ -18,7 +18,7 @@ use crate::images::TAIL;
 use edges::names::{Kernel, LobeShape, ParameterKind};
 use estimator::model::Lobe;
 use estimator::model::{Baseline, CUT};
-use estimator::predict::Fitted;
+use estimator::predict::{Criterion, Fitted};
 use estimator::result::{Domain, Number, Parameter, ResultFile};
 
 /// Markup of the page, with the places of style, data and scripts.
@@ -58,6 +58,10 @@ pub struct Start {
     pub azimuth: Option<f64>,
     /// Width of the picture, mm.
     pub width: Option<f64>,
+    /// Luminance of the white of the source, cd/m2.
+    pub luminance: Option<f64>,
+    /// Luminance behind the image, in units of the white of the source.
+    pub ambient: Option<f64>,
 }
 
 /// Contents of a page.
@@ -154,6 +158,7 @@ struct Data<'a> {
     places: usize,
     misfit: [f64; 2],
     goal: f64,
+    letter: Criterion,
     warnings: Vec<String>,
     source: Option<[String; 2]>,
     version: &'static str,
@@ -242,6 +247,7 @@ fn data<'a>(explorer: &'a Explorer<'_>, grid: &'a Grid, misfit: Misfit, places: 
         places,
         misfit: [misfit.pixel, misfit.peak],
         goal: search::WANTED,
+        letter: Criterion::USUAL,
         warnings: explorer.sheet.warnings(""),
         source: explorer.source.as_ref().map(|source| {
             let address = format!("data:image/png;base64,{}", STANDARD.encode(&source.png));

@@ -8,6 +8,7 @@ mod plane;
 mod progress;
 pub mod render;
 mod sheet;
+pub mod shown;
 mod spot;
 
 pub use progress::{RenderProgress, RenderStep, SILENT};

@@ -14,7 +14,7 @@ mod estimates;
 pub mod evidence;
 mod first;
 mod identify;
-mod markup;
+pub(crate) mod markup;
 mod photographs;
 mod provenance;
 pub mod shown;
@@ -31,7 +31,7 @@ use charts::escape;
 use estimator::result::FitResult;
 
 /// Style sheet of the page, but for that of its charts.
-const STYLE: &str = include_str!("page/style.css");
+pub(crate) const STYLE: &str = include_str!("page/style.css");
 
 /// One section of the page: its anchor, its heading, its markup.
 type Section = (&'static str, &'static str, String);

@@ -123,7 +123,7 @@ pub(crate) struct Numbers {
 }
 
 /// Returns the parser of the names of nominal sheets.
-fn sheets() -> impl TypedValueParser<Value = &'static Nominal> {
+pub(in crate::cli) fn sheets() -> impl TypedValueParser<Value = &'static Nominal> {
     let named = |sheet: &'static Nominal| PossibleValue::new(sheet.name).help(sheet.about);
     PossibleValuesParser::new(Nominal::all().iter().map(named))
         .try_map(|name| Nominal::named(&name).ok_or("no such sheet"))
@@ -136,7 +136,7 @@ fn kernel(text: &str) -> Result<Kernel, String> {
 }
 
 /// Light that passes a half mirror of 50 % and is reflected by it.
-const HALF_MIRROR: f64 = 0.25;
+pub(in crate::cli) const HALF_MIRROR: f64 = 0.25;
 
 impl Numbers {
     /// Reads the table of a file, or that of the nominal sheet where no file is named.

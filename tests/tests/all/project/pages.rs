@@ -10,13 +10,14 @@ use tests::page::{blocks, missing};
 use tests::program::{python, run_by};
 
 /// Pages whose commands are run, in this order, after README.md. They read files that it writes.
-const PAGES: [&str; 15] = [
+const PAGES: [&str; 16] = [
     "doc/README.md",
     "doc/cells.md",
     "doc/photographs.md",
     "doc/estimate.md",
     "doc/predict.md",
     "doc/light.md",
+    "doc/which.md",
     "doc/tables.md",
     "doc/python.md",
     "doc/compare.md",

@@ -411,6 +411,11 @@ fn a_browser_shows_intervals_and_what_was_not_photographed() {
         let typed = |k: usize| found["typed"][k].as_f64().unwrap();
         assert_eq!((typed(0), typed(1)), (12.5, typed(2)));
         assert!(typed(1) > 12.5 && typed(1) < 90.0, "{}", typed(1));
+        assert_eq!(found["saved"], json!([true, true]));
+        assert_eq!(found["dropped"], true);
+        // From 62 rem on, the pictures stand beside the sliders, and grow to the whole width.
+        let grown = found["grown"].as_f64().unwrap();
+        assert!((grown > 1.5) == (width > 992), "{width}: {grown}");
     }
 }
 

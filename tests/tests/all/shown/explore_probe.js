@@ -38,7 +38,20 @@ addEventListener("load", async () => {
     exact.dispatchEvent(new Event("change"));
     return Number(exact.value);
   });
+  // The pictures grow, are saved with a caption, and a dropped one shows its name.
   const box = (e) => e.getBoundingClientRect();
+  const aerial = document.getElementById("aerial");
+  const [saved, small] = [airr.save(), box(aerial).width];
+  document.getElementById("larger").click();
+  const grown = box(aerial).width / small;
+  document.getElementById("larger").click();
+  const name = "a sign of my own.png";
+  const blob = await new Promise((done) => document.getElementById("source").toBlob(done));
+  const drop = new Event("drop");
+  drop.dataTransfer = { files: [new File([blob], name, { type: "image/png" })] };
+  dispatchEvent(drop);
+  await new Promise((done) => setTimeout(done, 500));
+  const chosen = document.getElementById("choice").selectedOptions[0].textContent;
   const wide = [...document.body.querySelectorAll("*")]
     .filter((e) => e.tagName !== "OPTION" && box(e).right > innerWidth + 0.5);
   const named = [...document.querySelectorAll("input, select, button")].filter(
@@ -50,6 +63,9 @@ addEventListener("load", async () => {
     fetched: performance.getEntriesByType("resource").map((e) => e.name.slice(0, 30)),
     wide: wide.map((e) => `${e.tagName}.${e.className}#${e.id}`),
     unnamed: named.map((e) => e.id),
+    saved: [saved.width > 2 * aerial.width, saved.height > aerial.height],
+    grown,
+    dropped: chosen === name,
     remarks: document.getElementById("remarks").textContent,
     spoken: slider.getAttribute("aria-valuetext"),
     curves: document.querySelectorAll("#curves polyline").length,

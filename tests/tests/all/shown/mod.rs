@@ -1,4 +1,6 @@
-//! Pages that a browser shows.
+//! Pages and figures that a browser shows.
 
+mod compare;
 mod explore;
+mod figures;
 mod report_page;

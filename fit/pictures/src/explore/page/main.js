@@ -171,15 +171,15 @@ function brightestOf([r, g, b]) {
 function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
   const height = pitch * picture.height;
   const energy = place.energy();
-  const threshold = Math.min(1, Math.max(0.001, Number($("threshold").value) || 0.1));
+  const threshold = Math.min(1, Math.max(0.001, Number($("threshold").value) || data.letter.contrast));
   // The contrast (Lmax - Lmin) / (Lmax + Lmin) of a wide pattern, whose dark is the ambient light.
   const contrast = energy === null ? 1 : energy > 0 ? energy / (energy + 2 * ambient) : 0;
   const finest = contrast > threshold ? fallsTo(place, threshold / contrast) : 0;
   const half = fallsTo(place, 0.5);
-  // Letters of 5 minutes of arc are the smallest that normal sight reads.
+  // The smallest letters that normal sight reads.
   const viewer = Math.max(0, Number($("viewer").value) || 0);
-  const eye = 1000 * viewer * Math.tan((5 / 60) * (Math.PI / 180));
-  const letter = Math.max(2.5 / finest, eye);
+  const eye = 1000 * viewer * Math.tan((data.letter.arcminutes / 60) * (Math.PI / 180));
+  const letter = Math.max(data.letter.periods / finest, eye);
   // Bands by c need more mixtures where the blur depends on the scaling: they wait for a rest.
   plot($("curves"), place, finest, colour || data.scaling === "fixed");
   const facts = {
@@ -337,6 +337,34 @@ function addSlider(slider) {
   input.addEventListener("change", () => refresh(true));
 }
 
+// Saves both pictures with a caption, as they are shown, as a PNG.
+function save() {
+  const [source, aerial] = [$("source"), $("aerial")];
+  const [gap, line] = [16, 22];
+  const lines = [
+    `Source${" ".repeat(4)}${$("fact-size").textContent}`,
+    `${$("aerial").getAttribute("aria-label")}, exposure ${$("fact-exposure").textContent}`,
+    `${$("design").textContent}: white ${$("fact-luminance").textContent}`,
+  ];
+  const width = source.width + gap + aerial.width;
+  const height = aerial.height + gap + line * lines.length;
+  const sheet = document.createElement("canvas");
+  Object.assign(sheet, { width, height });
+  const pen = sheet.getContext("2d");
+  pen.fillStyle = "#fff";
+  pen.fillRect(0, 0, width, height);
+  pen.drawImage(source, 0, 0);
+  pen.drawImage(aerial, source.width + gap, 0);
+  pen.fillStyle = "#1d2226";
+  pen.font = "15px system-ui, sans-serif";
+  lines.forEach((text, k) => pen.fillText(text, 4, aerial.height + line * (k + 1), width - 8));
+  const link = document.createElement("a");
+  link.download = "mid-air.png";
+  link.href = sheet.toDataURL("image/png");
+  link.click();
+  return sheet;
+}
+
 // Brings sliders and texts to the state.
 function sync(move = true) {
   for (const slider of SLIDERS) {
@@ -382,9 +410,13 @@ function fromAddressBar() {
   }
 }
 
+// Picture of the user that was dropped or chosen last.
+let dropped = null;
+
 async function choose(name) {
   try {
-    use(name === "own" ? await fromAddress(data.source[1]) : builtIn(name));
+    if (name === "dropped") use(dropped);
+    else use(name === "own" ? await fromAddress(data.source[1]) : builtIn(name));
   } catch {
     list($("remarks"), ["The picture could not be shown."]);
   }
@@ -393,7 +425,12 @@ async function choose(name) {
 async function take(file) {
   if (!file) return;
   try {
-    use(await fromFile(file));
+    dropped = await fromFile(file);
+    const name = [...$("choice").options].find((one) => one.value === "dropped") ??
+      $("choice").appendChild(new Option("", "dropped"));
+    name.textContent = file.name;
+    name.selected = true;
+    use(dropped);
   } catch {
     const what = `${file.name} could not be read as a picture; take a PNG, a JPEG or a WebP.`;
     list($("remarks"), [what]);
@@ -402,6 +439,10 @@ async function take(file) {
 
 async function begin() {
   await unpack();
+  $("threshold").value = data.letter.contrast;
+  const { luminance, ambient } = data.start;
+  if (luminance) $("luminance").value = luminance;
+  if (ambient) $("ambient").value = Number((ambient * $("luminance").value).toPrecision(6));
   fromAddressBar();
   SLIDERS.forEach(addSlider);
   const option = (value, text) => $("choice").append(new Option(text, value));
@@ -424,6 +465,12 @@ async function begin() {
     note = "";
     for (const { key, value } of SLIDERS) state[key] = value;
     sync();
+    refresh(true);
+  });
+  $("save").addEventListener("click", save);
+  $("larger").addEventListener("click", () => {
+    const large = document.querySelector("main").classList.toggle("large");
+    $("larger").setAttribute("aria-pressed", large);
     refresh(true);
   });
   addEventListener("resize", () => refresh(true));
@@ -451,6 +498,7 @@ async function begin() {
 // factors on the fit. `render` returns the planes of light of the mid-air image, source white = 1.
 window.airr = {
   state,
+  save,
   settings,
   picture: () => picture,
   use: (name) => use(builtIn(name)),

@@ -30,6 +30,9 @@ pub struct Facts {
     pub seen_in_mirror: bool,
     /// Luminance relative to the source; null without mu.
     pub energy: Option<Range>,
+    /// Luminance of white, cd/m2; absent where that of the source is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub luminance_cd_m2: Option<Range>,
     /// Largest error of the contrast by the frequencies that were left out.
     pub transfer_error: f64,
     /// Number of tiles and largest error between their corners; null without a view.
@@ -48,6 +51,12 @@ pub struct Facts {
 }
 
 impl Facts {
+    /// Adds luminances in cd/m2, for a source whose white has this luminance.
+    pub fn lit_by(&mut self, source_cd_m2: Option<f64>) {
+        let known = self.energy.zip(source_cd_m2);
+        self.luminance_cd_m2 = known.map(|(energy, source)| energy.map(|own| own * source));
+    }
+
     /// Returns size, place, luminance and exposure of the image, for a reader.
     pub fn text(&self) -> String {
         let [width, height] = self.size_mm;
@@ -58,9 +67,12 @@ impl Facts {
         let light = self
             .energy
             .map_or("not known".into(), |energy| span(energy, 4));
+        let white = (self.luminance_cd_m2).map_or(String::new(), |white| {
+            format!(" ({} cd/m2)", span(white, 2))
+        });
         format!(
             "{width:.1} x {height:.1} mm, {} mm from the sheet, incidence {} deg\n\
-            luminance / source: {light}; exposure {:.4}\n",
+            luminance / source: {light}{white}; exposure {:.4}\n",
             span(self.distance_mm, 1),
             span(self.incidence_deg, 1),
             self.exposure

@@ -158,6 +158,7 @@ impl MidAir {
             seen_in_mirror,
             energy: (spots.iter().all(|spot| spot.energy.is_some()))
                 .then(|| range(spots, |spot| spot.energy.unwrap_or(1.0))),
+            luminance_cd_m2: None,
             transfer_error: rendered.transfer_error,
             tiles: rendered.tiles,
             sampling_error: rendered.sampling_error,

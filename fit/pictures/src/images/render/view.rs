@@ -114,6 +114,30 @@ impl CameraView {
         })
     }
 
+    /// Places a viewer in front of an image about the origin, whose columns run along x and whose
+    /// rows run against y, with pixels of 1 mm. `name` stands for the file in messages.
+    pub(crate) fn of_a_viewer(
+        name: &str,
+        viewer: Vector3<f64>,
+        sheet: Vector3<f64>,
+        [normal, first_edge]: [Vector3<f64>; 2],
+    ) -> CameraView {
+        CameraView {
+            file: name.into(),
+            camera: viewer,
+            centre: Vector3::zeros(),
+            right: Vector3::x(),
+            down: -Vector3::y(),
+            pitch_mm: 1.0,
+            sheet,
+            normal,
+            first_edge,
+            handedness: 1.0,
+            ambient: 0.0,
+            coating: None,
+        }
+    }
+
     /// Returns whether the camera sees the sheet in the half mirror.
     pub fn is_in_mirror(&self) -> bool {
         self.handedness < 0.0

@@ -2,11 +2,11 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ImageFormat, Rgb, RgbImage};
+use image::ImageFormat;
 
 use crate::images::exposure::automatic;
 use crate::images::render::{uniform, uniform_psf};
+use crate::images::shown::png;
 use crate::images::{SILENT, Scale, Viewpoint};
 use crate::report::page::markup::significant;
 use crate::report::page::shown::Page;
@@ -68,7 +68,7 @@ pub(crate) fn figures(page: &Page) -> Option<String> {
         &format!("<b>Before</b>: a sign of {width} mm."),
     );
     let after = figure(
-        &png(&image)?,
+        &png(&image),
         "The mid-air image of the sign, computed from the estimates",
         &format!(
             "<b>After</b>: its mid-air image by the estimates, at {incidence_deg}\u{b0} and \
@@ -95,20 +95,6 @@ fn source() -> Option<Picture> {
     })
 }
 
-/// Encodes a picture of three planes as PNG with 8 bits in sRGB.
-fn png(picture: &Picture) -> Option<Vec<u8>> {
-    let stored = |light: f32| (255.0 * Transfer::Srgb.to_stored(light).clamp(0.0, 1.0)).round();
-    let pixels = RgbImage::from_fn(picture.width as u32, picture.height as u32, |x, y| {
-        let index = y as usize * picture.width + x as usize;
-        Rgb([0, 1, 2].map(|k| stored(picture.planes[k][index]) as u8))
-    });
-    let mut bytes = Vec::new();
-    let encoder =
-        PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive);
-    pixels.write_with_encoder(encoder).ok()?;
-    Some(bytes)
-}
-
 /// Writes a picture with its caption, which is markup.
 fn figure(png: &[u8], label: &str, caption: &str) -> String {
     format!(
@@ -129,7 +115,7 @@ mod tests {
     fn the_sign_is_kept_by_both_conversions() {
         let source = source().expect("the sign is a PNG");
         assert_eq!((source.width, source.height), (384, 288));
-        let bytes = png(&source).expect("it is encoded");
+        let bytes = png(&source);
         let pixels = |png: &[u8]| image::load_from_memory(png).expect("a PNG").to_rgb8();
         assert_eq!(pixels(&bytes), pixels(SIGN));
     }

@@ -80,7 +80,7 @@ pub(crate) fn table(label: &str, head: &[&str], rows: &[Row]) -> String {
 }
 
 /// Row of a [`table`].
-pub(super) struct Row {
+pub(crate) struct Row {
     /// Markup of the cells.
     pub cells: Vec<String>,
     /// True if the row is highlighted.

@@ -1,0 +1,319 @@
+//! Numbers of several sheets under the same conditions.
+
+use serde::Serialize;
+
+use crate::error::Error;
+use estimator::predict::{
+    Criterion, Fitted, Legibility, Letter, Viewing, Viewpoint, between, legibility, remarks,
+};
+use estimator::result::agreement::{Agreement, agreement};
+use estimator::result::{Number, ResultFile};
+
+/// Sheet of a comparison.
+#[derive(Debug, Clone)]
+pub struct Contender<'a> {
+    /// Name, unlike that of all others.
+    pub name: String,
+    /// Result and table.
+    pub sheet: Fitted<'a>,
+    /// Azimuth, degrees; `None` for a mean table.
+    pub azimuth_deg: Option<f64>,
+}
+
+/// Place and light that are the same for all sheets.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Conditions {
+    /// Distance R: optical path from the sheet to the image, mm.
+    pub floating_distance_mm: f64,
+    /// Incidences, degrees.
+    pub incidence_deg: Vec<f64>,
+    /// Ambient light and distance of the viewer.
+    pub viewing: Viewing,
+    /// Luminance of the white of the source, cd/m2; `None` if only ratios to it are wanted.
+    pub source_cd_m2: Option<f64>,
+    /// Height of the capital letters that have to be readable, mm.
+    pub letter_mm: Option<f64>,
+}
+
+/// What is known of one sheet.
+#[derive(Debug, Clone, Serialize)]
+pub struct Compared {
+    /// Name of the sheet.
+    pub name: String,
+    /// What can be read at each incidence.
+    pub at: Vec<Legibility>,
+    /// Numbers divided by those of the first sheet, at each incidence; empty for the first sheet.
+    pub ratio: Vec<Ratio>,
+    /// Ranges of incidence in which the letters that were asked for are readable, degrees; null
+    /// without such letters.
+    pub readable_deg: Option<Vec<[f64; 2]>>,
+    /// The same numbers at every degree of the table, for charts.
+    #[serde(skip)]
+    pub curve: Vec<Legibility>,
+}
+
+/// Numbers divided by those of another sheet. Their errors are taken as independent.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Ratio {
+    /// Luminance without ambient light.
+    pub luminance: Number,
+    /// MTF50.
+    pub mtf50_per_mm: Number,
+    /// Smallest letter without ambient light.
+    pub letter_in_the_dark: Number,
+    /// Smallest letter in the ambient light.
+    pub letter: Number,
+}
+
+/// Sheets under the same conditions.
+#[derive(Debug, Clone, Serialize)]
+pub struct Comparison {
+    /// The conditions.
+    pub conditions: Conditions,
+    /// When a letter is readable.
+    pub criterion: Criterion,
+    /// Height of the smallest letter for the eye of the viewer, mm.
+    pub eye_mm: f64,
+    /// The sheets, in the order in which they were named.
+    pub sheets: Vec<Compared>,
+    /// Parameters of results whose cell and kernel are the same, compared with each other.
+    pub agreement: Vec<Agreement>,
+    /// Warnings, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Compares sheets under the same conditions. Ratios are to the first one.
+///
+/// # Errors
+/// Returns [`Error::Contender`] if a table lacks an incidence, or a result a parameter of the blur.
+pub fn compare(sheets: &[Contender<'_>], conditions: Conditions) -> Result<Comparison, Error> {
+    let mut compared: Vec<Compared> = Vec::new();
+    let mut warnings = Vec::new();
+    for own in sheets {
+        let at = own.named(own.all(&conditions.incidence_deg, &conditions))?;
+        let table = &own.sheet.table.axes.incidence_deg;
+        let (first, last) = (table[0], table[table.len() - 1]);
+        let steps = (last - first).floor() as usize;
+        let degrees = (0..=steps).map(|k| first + k as f64);
+        let curve = own.named(own.all(&degrees.collect::<Vec<_>>(), &conditions))?;
+        let readable_deg = (conditions.letter_mm)
+            .map(|letter_mm| own.named(own.readable(&curve, letter_mm, &conditions)))
+            .transpose()?;
+        let ratio = compared.first().map_or(Vec::new(), |first| {
+            let pairs = at.iter().zip(&first.at);
+            pairs.map(|(own, other)| Ratio::of(own, other)).collect()
+        });
+        warnings.extend(own.named(own.warnings(&at))?);
+        compared.push(Compared {
+            name: own.name.clone(),
+            at,
+            ratio,
+            readable_deg,
+            curve,
+        });
+    }
+    warnings.extend(half_mirrors(sheets));
+    Ok(Comparison {
+        criterion: Criterion::USUAL,
+        eye_mm: conditions.viewing.eye_mm(),
+        conditions,
+        sheets: compared,
+        agreement: agreements(sheets),
+        warnings,
+    })
+}
+
+impl Contender<'_> {
+    fn place(&self, incidence_deg: f64, conditions: &Conditions) -> Viewpoint {
+        Viewpoint {
+            incidence_deg,
+            azimuth_deg: self.azimuth_deg,
+            r_mm: conditions.floating_distance_mm,
+        }
+    }
+
+    fn at(
+        &self,
+        incidence_deg: f64,
+        conditions: &Conditions,
+    ) -> Result<Legibility, estimator::Error> {
+        let place = self.place(incidence_deg, conditions);
+        legibility(&self.sheet, &place, &conditions.viewing)
+    }
+
+    fn all(
+        &self,
+        incidence_deg: &[f64],
+        conditions: &Conditions,
+    ) -> Result<Vec<Legibility>, estimator::Error> {
+        let all = incidence_deg.iter();
+        all.map(|&deg| self.at(deg, conditions)).collect()
+    }
+
+    /// Returns the ranges of incidence in which letters of a height are readable. Their ends
+    /// between the places of `curve` are found by bisection.
+    fn readable(
+        &self,
+        curve: &[Legibility],
+        letter_mm: f64,
+        conditions: &Conditions,
+    ) -> Result<Vec<[f64; 2]>, estimator::Error> {
+        const FINE_DEG: f64 = 0.05;
+        let is_readable = |at: &Legibility| {
+            let height = at.letter.and_then(|letter| letter.height_mm.value);
+            height.is_some_and(|height| height <= letter_mm)
+        };
+        let mut ranges: Vec<[f64; 2]> = Vec::new();
+        let mut before: Option<(&Legibility, bool)> = None;
+        for at in curve {
+            let here = is_readable(at);
+            let edge = match before {
+                Some((other, was)) if was != here => {
+                    let mut ends = [other.incidence_deg, at.incidence_deg];
+                    while ends[1] - ends[0] > FINE_DEG {
+                        let middle = 0.5 * (ends[0] + ends[1]);
+                        let same = is_readable(&self.at(middle, conditions)?) == was;
+                        ends[usize::from(!same)] = middle;
+                    }
+                    0.5 * (ends[0] + ends[1])
+                }
+                _ => at.incidence_deg,
+            };
+            match (before.is_some_and(|(_, was)| was), here, ranges.last_mut()) {
+                (true, _, Some(range)) => range[1] = edge,
+                (false, true, _) => ranges.push([edge, at.incidence_deg]),
+                _ => {}
+            }
+            before = Some((at, here));
+        }
+        Ok(ranges)
+    }
+
+    /// Returns the warnings about a sheet at some places, with its name if they do not have it.
+    fn warnings(&self, at: &[Legibility]) -> Result<Vec<String>, estimator::Error> {
+        let places: Vec<Viewpoint> = at
+            .iter()
+            .map(|own| Viewpoint {
+                incidence_deg: own.incidence_deg,
+                azimuth_deg: own.azimuth_deg,
+                r_mm: own.floating_distance_mm,
+            })
+            .collect();
+        let mut warnings = remarks(self.sheet.result, self.sheet.table, &places)?;
+        let interpolated = at.iter().filter(|own| own.interpolated);
+        let interpolated = interpolated.map(|own| (own.incidence_deg, own.retroreflected));
+        warnings.extend(between(&self.sheet, interpolated));
+        let named = warnings
+            .into_iter()
+            .map(|text| match text.starts_with(&self.name) {
+                true => text,
+                false => format!("{}: {text}", self.name),
+            });
+        Ok(named.collect())
+    }
+
+    /// Adds the name of the sheet to an error.
+    fn named<T>(&self, found: Result<T, estimator::Error>) -> Result<T, Error> {
+        found.map_err(|error| Error::Contender(self.name.clone(), error))
+    }
+}
+
+impl Ratio {
+    fn of(own: &Legibility, other: &Legibility) -> Ratio {
+        let height = |letter: Option<Letter>| letter.map_or(Number::UNKNOWN, |own| own.height_mm);
+        Ratio {
+            luminance: ratio(own.luminance, other.luminance),
+            mtf50_per_mm: ratio(own.mtf50_per_mm, other.mtf50_per_mm),
+            letter_in_the_dark: ratio(
+                own.letter_in_the_dark.height_mm,
+                other.letter_in_the_dark.height_mm,
+            ),
+            letter: ratio(height(own.letter), height(other.letter)),
+        }
+    }
+}
+
+/// Divides two numbers with independent errors, to first order. A number without an error adds
+/// none; without both the ratio has none.
+fn ratio(own: Number, other: Number) -> Number {
+    let (Some(a), Some(b)) = (own.value, other.value) else {
+        return Number::UNKNOWN;
+    };
+    if b == 0.0 {
+        return Number::UNKNOWN;
+    }
+    let parts = [(own, a), (other, b)].map(|(number, value)| {
+        let error = number.standard_error?;
+        (value != 0.0).then(|| error / value)
+    });
+    let relative = match parts {
+        [None, None] => None,
+        [a, b] => Some(a.unwrap_or(0.0).hypot(b.unwrap_or(0.0))),
+    };
+    Number {
+        value: Some(a / b),
+        standard_error: relative.map(|relative| relative * (a / b).abs()),
+    }
+}
+
+/// Returns a warning if the half mirrors of the sheets differ, because luminances hold them.
+fn half_mirrors(sheets: &[Contender<'_>]) -> Option<String> {
+    let first = sheets.first()?;
+    let own = |sheet: &Contender<'_>| sheet.sheet.result.half_mirror;
+    let other = sheets.iter().find(|sheet| own(sheet) != own(first))?;
+    Some(format!(
+        "the half mirror of {} passes {:.3} of the light (transmittance times reflectance), that \
+        of {} {:.3}: luminances hold this difference, which is none of the sheets; give both the \
+        same half mirror ([setup] of captures.toml)",
+        first.name,
+        own(first),
+        other.name,
+        own(other)
+    ))
+}
+
+/// Compares the parameters of fits whose cell and kernel are those of the first of them.
+fn agreements(sheets: &[Contender<'_>]) -> Vec<Agreement> {
+    let fits = sheets.iter().map(|own| own.sheet.result);
+    let mut rest: Vec<&ResultFile> = fits.filter(|own| !own.is_by_hand()).collect();
+    let mut all = Vec::new();
+    while let Some(&first) = rest.first() {
+        let same = |own: &&ResultFile| {
+            own.kernel == first.kernel
+                && own.lobe == first.lobe
+                && own.table.same_cell(&first.table)
+        };
+        let (group, others) = rest.into_iter().partition::<Vec<_>, _>(same);
+        all.extend(agreement(&group));
+        rest = others;
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 6 +- 3 % over 2 +- 4 % is 3 +- 5 %; rounding is below 1e-15.
+    #[test]
+    fn relative_errors_of_a_ratio_are_added_as_squares() {
+        let number = |value: f64, part: Option<f64>| Number {
+            value: Some(value),
+            standard_error: part.map(|part| part * value),
+        };
+        let found = ratio(number(6.0, Some(0.03)), number(2.0, Some(0.04)));
+        assert_eq!(found.value, Some(3.0));
+        let error = found.standard_error.expect("both have one");
+        assert!((error - 0.15).abs() < 1e-14, "{error}");
+        let one = ratio(number(6.0, None), number(2.0, Some(0.04)));
+        assert!(
+            one.standard_error
+                .is_some_and(|error| (error - 0.12).abs() < 1e-14)
+        );
+        assert_eq!(
+            ratio(number(6.0, None), number(2.0, None)).standard_error,
+            None
+        );
+        assert_eq!(ratio(number(6.0, None), number(0.0, None)), Number::UNKNOWN);
+    }
+}
