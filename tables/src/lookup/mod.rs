@@ -6,4 +6,5 @@
 pub(crate) mod between;
 pub(crate) mod direction;
 pub(crate) mod family;
+pub(crate) mod many;
 pub(crate) mod moved;
