@@ -289,9 +289,11 @@ class _Step:
         )
         hit = self.scene.ray_intersect_preliminary(probe, coherent=False, active=active)
         same = hit.is_valid()
+        # Within an instance, an intersection without details names the instance alone.
         if is_scalar():
-            return same and hit.shape == si.shape
-        return same & (hit.shape == si.shape) & (hit.instance == si.instance)
+            return same and (hit.shape is None or hit.shape == si.shape)
+        same &= hit.instance == si.instance
+        return same & ((hit.shape == si.shape) | (hit.shape == None))  # noqa: E711
 
     def _goes_on(self, sampler: Any, s: _State) -> Any:
         """Return whether paths go on: those without light end, long ones by chance."""

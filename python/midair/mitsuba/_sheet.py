@@ -80,11 +80,6 @@ def sheet_class(delta: type) -> type:
             for name in names:
                 callback.put(name, getattr(self, name), mi.ParamFlags.Differentiable)
 
-        def has_gradient(self) -> bool:
-            """Return whether derivatives by a parameter are being followed."""
-            given = [self.c, self.mu] + ([] if self.A is None else [self.A])
-            return not is_scalar() and any(dr.grad_enabled(one + 0) for one in given)
-
         def _angles(self, si: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
             """Return sine of the incidence, azimuth (degrees), u, and the basis across the ray.
 
