@@ -6,7 +6,7 @@
 .NOTPARALLEL:
 .PHONY: all build install demo manual deny msrv table1 wheel bench-report fmt lint doc bench \
 	tools python rust clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx \
-	test-metrics test-python test-fuzz beside-mitsuba
+	test-metrics test-python test-fuzz beside-mitsuba example-mitsuba
 
 CARGO = cargo
 PYTHON = python3
@@ -171,6 +171,10 @@ test-mitsuba: demo
 	@test -n "$(MITSUBA_FIT)" || { \
 		echo "test-mitsuba: MITSUBA_FIT names no script of the published loop: not compared" >&2; }
 	@test -z "$(MITSUBA_FIT)" || $(MAKE) --no-print-directory beside-mitsuba
+# Draws doc/desk.png and doc/stage.png, and fits a sheet by derivatives of the renderer; needs pillow.
+example-mitsuba:
+	@$(or $(MITSUBA_PYTHON),$(PYTHON)) doc/scenes.py
+	@$(or $(MITSUBA_PYTHON),$(PYTHON)) doc/adam.py
 beside-mitsuba:
 	@$(or $(MITSUBA_PYTHON),$(PYTHON)) tests/beside_mitsuba.py --peer "$(MITSUBA_FIT)" \
 		--rounds $(or $(ROUNDS),1)

@@ -7,7 +7,6 @@
 //! calling thread looks for Ctrl-C and tells the progress.
 
 mod arrays;
-mod eta;
 mod fits;
 mod mesh;
 mod table;

@@ -13,7 +13,6 @@ use rayon::prelude::*;
 use tables::Fate;
 use tables::cli::Refused;
 
-use crate::eta;
 use crate::mesh::Mesh;
 use crate::work::run;
 use crate::{Words, refusal};
@@ -39,6 +38,9 @@ impl Table {
         (self.name.clone(), Arc::clone(&self.table))
     }
 }
+
+/// Directions that one thread takes at a time.
+const CHUNK: usize = 512;
 
 /// One path of a direction: polygon of entry (n, 2), matrix (2, 2) and offset (2) of the shift,
 /// weight, and deviation (2).
@@ -199,8 +201,11 @@ impl Table {
         let pairs = incidence.iter().zip(azimuth.iter());
         let directions: Vec<[f64; 2]> = pairs.map(|(&i, &a)| [i, a]).collect();
         let table = Arc::clone(&self.table);
-        let made = py.detach(move || eta::at(&table, &directions));
-        Ok(made.map_err(refusal)?.into_pyarray(py))
+        let made: Result<Vec<_>, _> = py.detach(move || {
+            let chunks = directions.par_chunks(CHUNK);
+            chunks.map(|chunk| table.retroreflected_at(chunk)).collect()
+        });
+        Ok(made.map_err(refusal)?.concat().into_pyarray(py))
     }
 
     /// Returns the probability of each shift per launched ray at a direction, shape (shift_v,

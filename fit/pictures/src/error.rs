@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use edges::names::Kernel;
+
 use crate::explore::MOST_CORNERS;
 use crate::images::render::psf::LARGEST;
 
@@ -85,6 +87,12 @@ pub enum Error {
         eq1, angular, shift and lobe; use --forward spectral"
     )]
     NoSamples,
+    /// Kernel whose blur holds at one distance only, or belongs to another model.
+    #[error(
+        "a result of the kernel {} cannot be rendered in a scene: its lobe is not that of one \
+        angle or one distance; estimate again with --kernel angular", .0.name()
+    )]
+    NoBsdf(Kernel),
     /// Result without a lens, whose file was named as that of the camera.
     #[error("{}: has no lens, or a damaged one: its numbers were given by hand, or it is of an \
         earlier version without a reference photograph; give what `fit estimate -o` wrote", .0.display())]

@@ -1,5 +1,5 @@
 //! Nearest lobe for renderers that know no ray shift: one retroreflective GGX lobe, in three file
-//! forms.
+//! forms. For Mitsuba, whose plugins of `midair.mitsuba` know it, the sheet itself.
 //!
 //! OpenPBR 1.2 (draft), MaterialX (from 1.39.5) and glTF (KHR_materials_retroreflection, draft)
 //! share the minimal retroreflective microfacet model (`baseline`, mrm). The roughness is chosen at
@@ -8,6 +8,9 @@
 //! At another distance the blur differs from that of the sheet, because a ray shift does not grow
 //! with the distance and a lobe does.
 
+use std::path::Path;
+
+use charts::escape;
 use serde_json::{Value, json};
 use tables::Table;
 
@@ -20,14 +23,54 @@ use estimator::predict::{Places, Prediction, predict};
 use estimator::result::{Domain, ResultFile};
 
 /// File form of a material.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// open_pbr_surface with specular_retroreflectivity (OpenPBR 1.2, draft), as MaterialX
+    /// open_pbr_surface with specular_retroreflectivity (OpenPBR 1.2, draft), as MaterialX.
     Openpbr,
-    /// generalized_schlick_bsdf with retroreflective (MaterialX 1.39.5)
+    /// generalized_schlick_bsdf with retroreflective (MaterialX 1.39.5).
     Materialx,
-    /// KHR_materials_retroreflection (draft)
+    /// KHR_materials_retroreflection (draft).
     Gltf,
+}
+
+/// Writes a sheet for Mitsuba with `midair.mitsuba`, ray shift included: a scene of one BSDF, for
+/// `<include>`.
+///
+/// It names the files of the result and of the table, so it stays true when the sheet is fitted
+/// again. Their paths are made absolute, because Mitsuba looks for files beside the scene that
+/// includes.
+///
+/// # Errors
+/// Returns [`crate::Error::NoBsdf`] if the kernel holds in no scene.
+pub fn mitsuba(
+    result: &ResultFile,
+    [result_path, table_path]: [&Path; 2],
+    floating_distance_mm: f64,
+) -> Result<String, crate::Error> {
+    let kernel = result.kernel;
+    let distance = match kernel {
+        Kernel::Eq1 | Kernel::Lobe => {
+            format!("        <float name=\"R\" value=\"{floating_distance_mm}\"/>\n")
+        }
+        Kernel::Angular | Kernel::Shift => String::new(),
+        _ => return Err(crate::Error::NoBsdf(kernel)),
+    };
+    let path = |path: &Path| {
+        let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        escape(&whole.to_string_lossy())
+    };
+    let domain = result.domain.as_ref();
+    let measured = domain.map_or("Measured places are unknown".into(), |domain| {
+        measured(domain)
+    });
+    Ok(format!(
+        "<scene version=\"3.0.0\">\n    <!-- {measured}. -->\n    \
+         <bsdf type=\"midair_sheet\" id=\"sheet\">\n        \
+         <string name=\"table\" value=\"{}\"/>\n        \
+         <string name=\"params\" value=\"{}\"/>\n{distance}    </bsdf>\n</scene>\n",
+        path(table_path),
+        path(result_path),
+    ))
 }
 
 impl Form {
@@ -143,7 +186,7 @@ pub fn nearest(
     })
 }
 
-/// Returns the sentence on where a sheet was measured, to be added to another one.
+/// Returns the sentence on where a sheet was measured.
 fn measured(domain: &Domain) -> String {
     let both = |[least, most]: [f64; 2], unit: &str| match least == most {
         true => format!("{least} {unit}"),
@@ -151,7 +194,7 @@ fn measured(domain: &Domain) -> String {
     };
     let azimuth = domain.azimuth_deg.map(|range| both(range, "deg"));
     format!(
-        ". The sheet was measured at {}, incidence {}{}; elsewhere nothing is known of it",
+        "The sheet was measured at {}, incidence {}{}; elsewhere nothing is known of it",
         both(domain.floating_distance_mm, "mm"),
         both(domain.incidence_deg, "deg"),
         azimuth.map_or(String::new(), |azimuth| format!(", azimuth {azimuth}"))
@@ -193,7 +236,9 @@ impl Nearest {
             self.floating_distance_mm,
             self.incidence_deg,
             self.rms,
-            self.measured.as_ref().map_or(String::new(), measured)
+            self.measured
+                .as_ref()
+                .map_or(String::new(), |domain| format!(". {}", measured(domain)))
         )
     }
 

@@ -1,4 +1,5 @@
-//! `fit export`: the nearest retroreflective lobe as a material for renderers.
+//! `fit export`: the nearest retroreflective lobe as a material for renderers, or the sheet itself
+//! for Mitsuba.
 
 use std::path::PathBuf;
 use tables::cli as terminal;
@@ -9,20 +10,35 @@ use crate::cli::estimate::read_result;
 use crate::cli::failure::Failure;
 use crate::cli::options::parse;
 use estimator::predict::{Viewpoint, remarks};
-use pictures::export::{Form, LOST, nearest};
+use pictures::export::{Form, LOST, mitsuba, nearest};
 
-/// Writes the lobe that is nearest to a fitted sheet, as a material for renderers.
+/// Form of the output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Target {
+    /// open_pbr_surface with specular_retroreflectivity (OpenPBR 1.2, draft), as MaterialX
+    Openpbr,
+    /// generalized_schlick_bsdf with retroreflective (MaterialX 1.39.5)
+    Materialx,
+    /// KHR_materials_retroreflection (draft)
+    Gltf,
+    /// midair_sheet of the Python module midair.mitsuba, with the ray shift: a scene in XML
+    Mitsuba,
+}
+
+/// Writes a fitted sheet for renderers: the nearest lobe, or for Mitsuba the sheet itself.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The three forms of material share one model: the minimal retroreflective
+Openpbr, materialx and gltf share one model: the minimal retroreflective
 microfacet model with GGX. Its roughness is the one whose MTF differs least
 (least squares) from the MTF of the sheet at the given distance and incidence.
-The material has no ray shift.
+The material has no ray shift. The scene for Mitsuba has it: it names the result
+and the table, and other scenes include it.
 
 Examples:
   fit export result.json --table pair.h5 --to materialx --distance 150 -o sheet.mtlx
   fit export result.json --table pair.h5 --to gltf --distance 300 \\
       --incidence 20 -o sheet.gltf
+  fit export result.json --table pair.h5 --to mitsuba --distance 300 -o sheet.xml
 
 Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
@@ -33,8 +49,9 @@ pub(crate) struct Arguments {
     pub table: PathBuf,
     /// Form of the material.
     #[arg(long, value_enum)]
-    pub to: Form,
-    /// Floating distance at which the lobe is nearest, mm.
+    pub to: Target,
+    /// Floating distance at which the lobe is nearest, mm; for mitsuba, R of the kernels eq1 and
+    /// lobe.
     #[arg(
         long,
         visible_alias = "floating-distance",
@@ -65,6 +82,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let result = read_result(&arguments.result)?;
     let table = tables::read(&arguments.table)?;
     let table = result.seen(&table)?;
+    let form = match arguments.to {
+        Target::Openpbr => Form::Openpbr,
+        Target::Materialx => Form::Materialx,
+        Target::Gltf => Form::Gltf,
+        Target::Mitsuba => {
+            let files = [arguments.result.as_path(), &arguments.table];
+            let text = mitsuba(&result, files, arguments.distance)?;
+            return Ok(terminal::deliver(&text, output)?);
+        }
+    };
     let azimuth = arguments.azimuth.or(parse::only_azimuth(&table));
     let lobe = nearest(
         &result,
@@ -79,7 +106,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         r_mm: arguments.distance,
     };
     terminal::warn(remarks(&result, &table, &[place])?);
-    terminal::warn(arguments.to.draft().map(String::from));
+    terminal::warn(form.draft().map(String::from));
     terminal::warn([format!("{LOST}. {}", lobe.criterion())]);
-    Ok(terminal::deliver(&lobe.text(arguments.to), output)?)
+    Ok(terminal::deliver(&lobe.text(form), output)?)
 }

@@ -37,13 +37,12 @@ except ImportError as missing:  # pragma: no cover
 
 from midair._errors import Error
 from midair._words import File
-from midair.mitsuba._keys import hold
 from midair.mitsuba._mirrors import half_mirror_class, plate_class
 from midair.mitsuba._path import path_class
-from midair.mitsuba._scene import scene, sheet, xml
-from midair.mitsuba._sheet import sheet_class
+from midair.mitsuba._scene import scene, sheet
+from midair.mitsuba._sheet import delta_class, sheet_class
 
-__all__ = ["hold", "load", "scene", "set_variant", "sheet", "xml"]
+__all__ = ["load", "scene", "set_variant", "sheet"]
 
 #: Variants for which the plugins are registered.
 _REGISTERED: set[str] = set()
@@ -55,8 +54,9 @@ def _register(old: str | None = None, new: str | None = None) -> None:
     if variant is None or variant in _REGISTERED:
         return
     _REGISTERED.add(variant)
-    bsdf = sheet_class()
-    mirror, plate = half_mirror_class(), plate_class(bsdf)
+    delta = delta_class()
+    bsdf, mirror = sheet_class(delta), half_mirror_class(delta)
+    plate = plate_class(bsdf)
     integrator = path_class(bsdf, mirror)
     mi.register_bsdf("midair_sheet", lambda props: bsdf(props))
     mi.register_bsdf("midair_half_mirror", lambda props: mirror(props))

@@ -12,10 +12,10 @@ from midair.mitsuba._directions import choose
 from midair.mitsuba._keys import SHEET, Keys
 
 
-def half_mirror_class() -> type:
+def half_mirror_class(delta: type) -> type:
     """Return the class of the half mirror for the current variant."""
 
-    class MidairHalfMirror(mi.BSDF):  # type: ignore[misc, name-defined]
+    class MidairHalfMirror(delta):  # type: ignore[misc, valid-type]
         """Thin half mirror: reflects a share of the light, passes another, absorbs the rest."""
 
         def __init__(self, props: Any) -> None:
@@ -61,15 +61,6 @@ def half_mirror_class() -> type:
             """Return weight and direction of a path before the sheet, or after it (`returned`)."""
             weight = choose(returned, self.reflectance, self.transmittance)
             return mi.Spectrum(weight), choose(returned, _mirrored(si.wi), -si.wi)
-
-        def eval(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return mi.Spectrum(0)
-
-        def pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return mi.Float(0)
-
-        def eval_pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
-            return mi.Spectrum(0), mi.Float(0)
 
         def eval_null_transmission(self, si: Any, active: Any = True) -> Any:
             return mi.Spectrum(self.transmittance)

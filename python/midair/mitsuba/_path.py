@@ -8,7 +8,6 @@ its origin and turns it, and it goes on.
 from __future__ import annotations
 
 import warnings
-import weakref
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,12 +15,11 @@ import drjit as dr
 import mitsuba as mi
 
 from midair._errors import Error, MidairWarning
-from midair.mitsuba import _sheet
 from midair.mitsuba._directions import choose, is_scalar
 from midair.mitsuba._keys import Keys
+from midair.mitsuba._sheet import FOLLOWED
 
-KEYS = ["max_depth", "rr_depth", "guided", "loop"]
-LOOPS = ("auto", "symbolic", "evaluated")
+KEYS = ["max_depth", "rr_depth", "guided"]
 
 
 @dataclass
@@ -29,7 +27,8 @@ class Found:
     """What a scene holds that the integrator must know of."""
 
     sheets: list[Any]
-    parameters: list[Any]
+    #: Whether derivatives by a parameter of the scene are being followed.
+    is_followed: bool
 
 
 def path_class(sheet: type, mirror: type) -> type:
@@ -44,35 +43,26 @@ def path_class(sheet: type, mirror: type) -> type:
             self.max_depth = _count(keys, "max_depth", -1)
             self.rr_depth = _count(keys, "rr_depth", 5)
             self.is_guided = bool(props.get("guided", False))
-            self.loop = keys.text("loop", "auto")
-            if self.loop not in LOOPS:
-                raise Error(
-                    f"midair_path: there is no loop {self.loop!r}; use {', '.join(LOOPS)}"
-                )
-            self._scenes: weakref.WeakKeyDictionary[Any, Found] | dict[int, Found] = {}
+            self._known: tuple[Any, Found] | None = None
+            self._is_forward = False
 
         def _found(self, scene: Any) -> Found:
-            """Return the sheets of a scene. Each scene is searched once."""
-            key = id(scene)
-            if key not in self._scenes:
-                self._scenes = {key: search(scene, sheet)}
-                if not self._scenes[key].sheets:
-                    warnings.warn(
-                        "midair_path: the scene has no midair_sheet and no midair_plate, so this "
-                        "is an ordinary path tracer; give a shape the BSDF "
-                        '{"type": "midair_sheet"}',
-                        MidairWarning,
-                        stacklevel=3,
-                    )
-            return self._scenes[key]
-
-        def _mode(self, found: Found) -> str:
-            """Return how the loop runs: reverse derivatives need each turn in memory."""
-            if self.loop != "auto":
-                return str(self.loop)
-            # In the pass without derivatives, results of arithmetic have none.
-            is_followed = any(dr.grad_enabled(one * 1) for one in found.parameters)
-            return "evaluated" if is_followed else "symbolic"
+            """Return what a scene holds."""
+            # Parameters are replaced between renders, so each render looks again. Scalar variants
+            # come here with every ray, and have no derivatives.
+            if self._known is not None and self._known[0] is scene:
+                return self._known[1]
+            found = search(scene, sheet)
+            if is_scalar():
+                self._known = scene, found
+            if not found.sheets:
+                warnings.warn(
+                    "midair_path: the scene has no midair_sheet and no midair_plate, so this is an "
+                    'ordinary path tracer; give a shape the BSDF {"type": "midair_sheet"}',
+                    MidairWarning,
+                    stacklevel=3,
+                )
+            return found
 
         def sample(
             self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
@@ -80,30 +70,36 @@ def path_class(sheet: type, mirror: type) -> type:
             found = self._found(scene)
             step = _Step(self, scene, bool(found.sheets), sheet, mirror)
             state = _State.of(ray, active)
-            _sheet.following += 1
-            try:
-                if is_scalar():
-                    while state.active:
-                        step(sampler, state)
-                else:
+            if is_scalar():
+                while state.active:
+                    step(sampler, state)
+            else:
 
-                    def body(sampler: Any, state: _State) -> tuple[Any, _State]:
-                        step(sampler, state)
-                        return sampler, state
+                def body(sampler: Any, state: _State) -> tuple[Any, _State]:
+                    step(sampler, state)
+                    return sampler, state
 
-                    limit = self.max_depth if self.max_depth > 0 else None
-                    _, state = dr.while_loop(
-                        (sampler, state),
-                        lambda sampler, state: state.active,
-                        body,
-                        labels=("sampler", "state"),
-                        mode=self._mode(found),
-                        max_iterations=limit,
-                        label="midair_path",
-                    )
-            finally:
-                _sheet.following -= 1
+                _, state = dr.while_loop(
+                    (sampler, state),
+                    lambda sampler, state: state.active,
+                    body,
+                    labels=("sampler", "state"),
+                    # Reverse derivatives need each turn in memory, forward ones must not have it.
+                    mode="evaluated"
+                    if found.is_followed and not self._is_forward
+                    else "symbolic",
+                    max_iterations=self.max_depth if self.max_depth > 0 else None,
+                    label="midair_path",
+                )
             return choose(state.seen, state.light, 0), state.seen, []
+
+        def render_forward(self, *arguments: Any, **options: Any) -> Any:
+            """Return the derivative of an image, which `dr.forward` follows in `mi.render`."""
+            self._is_forward = True
+            try:
+                return super().render_forward(*arguments, **options)
+            finally:
+                self._is_forward = False
 
         def to_string(self) -> str:
             return (
@@ -157,6 +153,7 @@ class _Step:
         self.sheet, self.mirror = sheet, mirror
         self.limit = integrator.max_depth if integrator.max_depth >= 0 else 0xFFFFFFFF
         self.context = mi.BSDFContext()
+        self.context.type_mask |= FOLLOWED
         self.has_emitters = len(scene.emitters()) > 0
 
     def __call__(self, sampler: Any, s: _State) -> None:
@@ -186,11 +183,18 @@ class _Step:
         weight = si.to_world_mueller(weight, -bs.wo, si.wi)
         direction = bs.wo
         is_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+        is_ours = mi.Bool(False)
         if self.has_sheets:
-            weight, direction, is_delta = self._sheets(
-                sampler, s, si, bsdf, pick, point, weight, direction, is_delta, active
+            weight, direction, is_ours = self._sheets(
+                sampler, s, si, bsdf, pick, point, weight, direction, active
             )
-        s.ray = choose(active, si.spawn_ray(si.to_world(direction)), s.ray)
+        ray = si.spawn_ray(si.to_world(direction))
+        # Rays begin a little above their surface, along its normal. That would move a mid-air image
+        # by some 0.01 mm at 300 mm, so rays of sheets and half mirrors begin on their own line.
+        above = dr.dot(ray.o - si.p, si.n) / dr.dot(ray.d, si.n)
+        ray.o = choose(is_ours, si.p + above * ray.d, ray.o)
+        s.ray = choose(active, ray, s.ray)
+        is_delta = is_ours | is_delta
         s.factor = choose(active, s.factor * weight, s.factor)
         s.eta = choose(active, s.eta * bs.eta, s.eta)
         s.before = choose(
@@ -232,10 +236,12 @@ class _Step:
         point: Any,
         weight: Any,
         direction: Any,
-        is_delta: Any,
         active: Any,
     ) -> tuple[Any, Any, Any]:
-        """Move and turn the paths that have met a sheet, and guide those at half mirrors."""
+        """Move and turn the paths that have met a sheet, and guide those at half mirrors.
+
+        Returns weight, direction, and which paths these are.
+        """
         guides = self.integrator.is_guided
         sheet, mirror = self.sheet, self.mirror
         slot, lobe, spread = sampler.next_1d(), sampler.next_2d(), sampler.next_2d()
@@ -266,7 +272,7 @@ class _Step:
         return (
             choose(either, w, weight),
             choose(either, out, direction),
-            either | is_delta,
+            either,
         )
 
     def _is_on_sheet(self, si: Any, moved: Any, shift: Any, active: Any) -> Any:
@@ -283,9 +289,11 @@ class _Step:
         )
         hit = self.scene.ray_intersect_preliminary(probe, coherent=False, active=active)
         same = hit.is_valid()
+        # Within an instance, an intersection without details names the instance alone.
         if is_scalar():
-            return same and hit.shape == si.shape
-        return same & (hit.shape == si.shape) & (hit.instance == si.instance)
+            return same and (hit.shape is None or hit.shape == si.shape)
+        same &= hit.instance == si.instance
+        return same & ((hit.shape == si.shape) | (hit.shape == None))  # noqa: E711
 
     def _goes_on(self, sampler: Any, s: _State) -> Any:
         """Return whether paths go on: those without light end, long ones by chance."""
@@ -327,7 +335,7 @@ def search(scene: Any, sheet: type) -> Found:
         If a sheet lies inside another BSDF, which would lose its shift, or if azimuth 0 is not
         defined on a mesh.
     """
-    found = Found([], [])
+    found = Found([], False)
     seen: set[Any] = set()
 
     class Walk(mi.TraversalCallback):  # type: ignore[misc, name-defined]
@@ -342,7 +350,8 @@ def search(scene: Any, sheet: type) -> Found:
             if kind is not None:
                 value = mi.get_property(value, kind, self.owner)
             if dr.is_diff_v(value) and dr.is_float_v(value):
-                found.parameters.append(value)
+                # In the pass without derivatives, results of arithmetic have none.
+                found.is_followed |= dr.grad_enabled(value * 1)
 
     def visit(thing: Any, owner: Any) -> None:
         if isinstance(thing, sheet):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import numpy.typing as npt
@@ -62,35 +61,6 @@ def sheet(
             value = [float(one) for one in value]
         made[name] = value
     return made
-
-
-def xml(bsdf: dict[str, Any], name: str = "sheet") -> str:
-    """Return a sheet as XML that goes into a scene file.
-
-    Parameters
-    ----------
-    bsdf : dict
-        What `sheet` returned, with paths of files, not objects.
-    name : str
-        Identifier, by which shapes refer to it.
-    """
-    lines = [f'<bsdf type={quoteattr(bsdf["type"])} id={quoteattr(name)}>']
-    for key, value in bsdf.items():
-        if key == "type":
-            continue
-        if isinstance(value, str):
-            if value.startswith("midair:"):
-                raise Error(
-                    f"{key} is an object in memory, which XML cannot hold; save it, and give the "
-                    "path of the file"
-                )
-            kind, text = "string", value
-        elif isinstance(value, (list, tuple)):
-            kind, text = "vector", ", ".join(f"{one!r}" for one in value)
-        else:
-            kind, text = "float", repr(float(value))
-        lines.append(f"    <{kind} name={quoteattr(key)} value={quoteattr(text)}/>")
-    return "\n".join([*lines, "</bsdf>", ""])
 
 
 def scene(

@@ -26,14 +26,34 @@ from midair.mitsuba._keys import SHEET, Keys, Numbers, numbers_of
 _LOBE = 2048
 _CUT = 2.4 * np.pi
 
-#: Greater than 0 while `midair_path` follows rays; otherwise a stock integrator calls.
-following = 0
+#: Bit in the `type_mask` of a context by which `midair_path` tells a sheet that it follows the
+#: ray itself. No type of a BSDF has it. (A flag of this module would not do: reverse derivatives
+#: call the BSDF again after the integrator has returned.)
+FOLLOWED = 1 << 31
 
 
-def sheet_class() -> type:
+def delta_class() -> type:
+    """Return the base class, for the current variant, of BSDFs that only send a ray on."""
+
+    class MidairDelta(mi.BSDF):  # type: ignore[misc, name-defined]
+        """BSDF without light in any direction that was not sampled."""
+
+        def eval(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return mi.Spectrum(0)
+
+        def pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return mi.Float(0)
+
+        def eval_pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+            return mi.Spectrum(0), mi.Float(0)
+
+    return MidairDelta
+
+
+def sheet_class(delta: type) -> type:
     """Return the class of the BSDF for the current variant."""
 
-    class MidairSheet(mi.BSDF):  # type: ignore[misc, name-defined]
+    class MidairSheet(delta):  # type: ignore[misc, valid-type]
         """Retroreflective sheet with the shifts of a table; doc/renderer.md lists the keys."""
 
         plugin = "midair_sheet"
@@ -59,11 +79,6 @@ def sheet_class() -> type:
             names = ["c", "mu"] + ([] if self.A is None else ["A"])
             for name in names:
                 callback.put(name, getattr(self, name), mi.ParamFlags.Differentiable)
-
-        def has_gradient(self) -> bool:
-            """Return whether derivatives by a parameter are being followed."""
-            given = [self.c, self.mu] + ([] if self.A is None else [self.A])
-            return not is_scalar() and any(dr.grad_enabled(one + 0) for one in given)
 
         def _angles(self, si: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
             """Return sine of the incidence, azimuth (degrees), u, and the basis across the ray.
@@ -193,7 +208,7 @@ def sheet_class() -> type:
             made.pdf, made.eta = mi.Float(1), mi.Float(1)
             made.sampled_type = mi.UInt32(+mi.BSDFFlags.DeltaReflection)
             made.sampled_component = mi.UInt32(0)
-            if following:
+            if context.type_mask & FOLLOWED:
                 return made, mi.Spectrum(0)
             warnings.warn(
                 f"{self.plugin}: this integrator returns light straight back, without the shift and "
@@ -205,15 +220,6 @@ def sheet_class() -> type:
             front = active & (si.wi.z > 0)
             factor = _at(self.mu, self.numbers.mu, sine, front) * self.eta(si, front)
             return made, mi.Spectrum(choose(front, factor, 0))
-
-        def eval(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return mi.Spectrum(0)
-
-        def pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return mi.Float(0)
-
-        def eval_pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
-            return mi.Spectrum(0), mi.Float(0)
 
         def to_string(self) -> str:
             n = self.numbers

@@ -43,7 +43,7 @@ pub(crate) struct NearDirection {
 const SAME_SLOPE: f64 = 0.3;
 
 /// Shortest edge that has a usable direction, edge lengths.
-const SHORT: f64 = 1e-6;
+pub(crate) const SHORT: f64 = 1e-6;
 
 /// Smallest area that is more than rounding, square edge lengths.
 const NO_AREA: f64 = 1e-12;
@@ -278,7 +278,7 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// Returns the distance of two points.
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+pub(crate) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
@@ -572,7 +572,7 @@ fn outline(
 }
 
 /// Returns the part of a convex polygon in a half-plane.
-fn clipped(polygon: &[[f64; 2]], line: Line) -> Vec<[f64; 2]> {
+pub(crate) fn clipped(polygon: &[[f64; 2]], line: Line) -> Vec<[f64; 2]> {
     let beyond = |p: [f64; 2]| dot(line.normal, p) - line.offset;
     let on = |p: [f64; 2], q: [f64; 2], part: f64| [0, 1].map(|k| p[k] + part * (q[k] - p[k]));
     polygon::clip(polygon, beyond, on)

@@ -59,7 +59,7 @@ pub struct Direction {
 
 /// Azimuth that the table knows: one of its own, or an image of one by symmetry.
 #[derive(Debug, Clone, Copy)]
-struct AzimuthImage {
+pub(super) struct AzimuthImage {
     /// Azimuth, degrees, in [0, 360).
     azimuth_deg: f64,
     /// Index of the azimuth in the axis of the table.
@@ -166,7 +166,7 @@ impl Table {
                 angles"
             )));
         }
-        match self.cell(incidence_deg, asked) {
+        match self.cell(&self.images(), incidence_deg, asked) {
             Some(cell) => {
                 let corners = cell.corners_between();
                 if corners > MOST_CORNERS {
@@ -191,17 +191,22 @@ impl Table {
     /// no gaps.
     pub fn families(&self, incidence_deg: f64, azimuth_deg: f64) -> Option<Vec<Family>> {
         let exact = self.exact.as_ref().filter(|_| !self.axes.is_mean())?;
-        let cell = self.cell(incidence_deg, azimuth_deg)?;
+        let images = self.images();
+        let cell = self.cell(&images, incidence_deg, azimuth_deg)?;
         family::known(&cell.nodes(exact)?, self.provenance.refractive_index)
     }
 
     /// Returns the table's directions around a direction, or `None` outside of the table.
-    fn cell(&self, incidence_deg: f64, azimuth_deg: f64) -> Option<GridCell<'_>> {
-        let images = self.images();
+    pub(super) fn cell<'a>(
+        &'a self,
+        images: &'a [AzimuthImage],
+        incidence_deg: f64,
+        azimuth_deg: f64,
+    ) -> Option<GridCell<'a>> {
         let across = if self.axes.is_mean() {
             Some((0, 0, 0.0))
         } else {
-            around(&images, self.axes.widest_gap_deg(), azimuth_deg)
+            around(images, self.axes.widest_gap_deg(), azimuth_deg)
         };
         Some(GridCell {
             table: self,
@@ -224,7 +229,7 @@ impl Table {
     }
 
     /// Returns the azimuths in [0, 360) that the table knows, ascending: its own and their images.
-    fn images(&self) -> Vec<AzimuthImage> {
+    pub(super) fn images(&self) -> Vec<AzimuthImage> {
         if self.axes.is_mean() {
             return vec![AzimuthImage::MEAN];
         }
@@ -279,7 +284,7 @@ impl Table {
 }
 
 /// Two places of an axis and the share of the second; one place twice if the axis holds the value.
-type Bracket = (usize, usize, f64);
+pub(super) type Bracket = (usize, usize, f64);
 
 /// Returns the share of a place in a bracket; 0 beyond the bracket.
 fn share((first, second, share): Bracket, place: usize) -> f64 {
@@ -288,12 +293,12 @@ fn share((first, second, share): Bracket, place: usize) -> f64 {
 }
 
 /// Directions of a table around the direction that is asked for.
-struct GridCell<'a> {
+pub(super) struct GridCell<'a> {
     table: &'a Table,
-    images: Vec<AzimuthImage>,
-    along: Bracket,
+    images: &'a [AzimuthImage],
+    pub along: Bracket,
     /// Bracket of the azimuth, as indices of `images`.
-    across: Bracket,
+    pub across: Bracket,
 }
 
 impl GridCell<'_> {
@@ -423,7 +428,7 @@ impl GridCell<'_> {
     }
 
     /// Returns tan(incidence inside the sheet) (cos azimuth, sin azimuth).
-    fn tau(&self, incidence_deg: f64, azimuth_rad: f64) -> [f64; 2] {
+    pub(super) fn tau(&self, incidence_deg: f64, azimuth_rad: f64) -> [f64; 2] {
         let sine = incidence_deg.to_radians().sin() / self.table.provenance.refractive_index;
         let tangent = sine / (1.0 - sine * sine).sqrt();
         [azimuth_rad.cos(), azimuth_rad.sin()].map(|x| tangent * x)

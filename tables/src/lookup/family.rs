@@ -1,8 +1,10 @@
 //! What the interpolation between directions knows of each path, for those who bound its error.
 
 use crate::lookup::between::{
-    self, FASTEST, Line, LineTrack, NearDirection, PathShape, absent, families, shapes, weights,
+    self, FASTEST, Line, LineTrack, NearDirection, PathShape, SHORT, absent, clipped, distance,
+    families, shapes, weights,
 };
+use crate::table::polygon::area;
 
 /// Path of the sheet as the directions around a gap show it: all that the interpolation between
 /// them knows, whatever direction of the gap is asked for.
@@ -42,6 +44,29 @@ impl Family {
     pub fn at(&self, tau: [f64; 2]) -> (Vec<[f64; 3]>, [f64; 7]) {
         let lines = self.lines.iter().map(|course| mean(course, tau));
         (lines.collect(), mean(&self.members, tau))
+    }
+
+    /// Returns the light of the path at a direction tau: the area of its polygon times its weight.
+    ///
+    /// `share` is that of a corner of the gap in a bilinear mixture, with corners as
+    /// [`Family::jumps`] has them.
+    pub(crate) fn light(&self, tau: [f64; 2], share: impl Fn([f64; 2]) -> f64) -> f64 {
+        let moved = self.members.iter().map(|(place, _)| distance(*place, tau));
+        let margin = FASTEST * moved.fold(f64::INFINITY, f64::min) + SHORT;
+        let [[left, low], [right, high]] = self.bounds;
+        let ([left, low], [right, high]) = (
+            [left - margin, low - margin],
+            [right + margin, high + margin],
+        );
+        let mut outline = vec![[left, low], [right, low], [right, high], [left, high]];
+        let (lines, numbers) = self.at(tau);
+        for [x, y, offset] in lines {
+            let normal = [x, y];
+            outline = clipped(&outline, Line { normal, offset });
+        }
+        // A direction lacks the path by a jump: its share of the gap has none of the light.
+        let absent: f64 = self.jumps.iter().map(|&corner| share(corner)).sum();
+        area(&outline) * numbers[6].clamp(0.0, 1.0) * (1.0 - absent).max(0.0)
     }
 
     /// Converts tangents astray, in the incidence frame, to a deviation as [`crate::Path`] has it.

@@ -6,5 +6,6 @@
 pub(crate) mod between;
 pub(crate) mod direction;
 pub(crate) mod family;
+pub(crate) mod many;
 pub(crate) mod moved;
 pub(crate) mod passage;

@@ -2,7 +2,9 @@
 //! is found again if it describes the sheet, else it is the nearest one; it is written in three
 //! forms.
 
-use crate::export::{Form, Nearest, nearest};
+use std::path::Path;
+
+use crate::export::{Form, Nearest, mitsuba, nearest};
 use crate::report::Variable;
 use crate::report::plot;
 use edges::names::Kernel;
@@ -152,6 +154,40 @@ fn materials_say_where_the_sheet_was_measured() {
             format!("{said} 150 to 300 mm, incidence 0 to 40 deg, azimuth 20 deg; elsewhere");
         assert!(text.contains(&whole), "{text}");
     }
+}
+
+/// A scene for Mitsuba names its files in full, and the distance only for lobes in mm.
+#[test]
+fn a_scene_for_mitsuba_names_files_and_distance() {
+    let table = table();
+    let here = std::env::current_dir().expect("a folder");
+    let files = [Path::new("a \"b\" & c.json"), Path::new("t.h5")];
+    let of = |kernel: &str, lobe: Option<&str>| {
+        let entries = json!({ "kernel": kernel, "lobe": lobe, "c_mm": 0.2, "a_per_mm": 4.0 });
+        mitsuba(&result(&table, entries), files, 300.0)
+    };
+    let mut cases = 0;
+    for (kernel, lobe, has_distance) in [
+        ("eq1", Some("radial"), true),
+        ("lobe", Some("separable"), true),
+        ("angular", Some("radial"), false),
+        ("shift", None, false),
+    ] {
+        let text = of(kernel, lobe).expect("a kernel of scenes");
+        for file in files {
+            let whole = charts::escape(&here.join(file).display().to_string());
+            assert!(text.contains(&format!("value=\"{whole}\"")), "{text}");
+        }
+        let distance = "<float name=\"R\" value=\"300\"/>";
+        assert_eq!(text.contains(distance), has_distance, "{text}");
+        cases += 1;
+    }
+    assert_eq!(cases, 4);
+    let refused = of("wave", None).expect_err("wave has no lobe of one angle");
+    assert!(
+        refused.to_string().contains("--kernel angular"),
+        "{refused}"
+    );
 }
 
 /// What no released library declares is said, and of the other form nothing is.
