@@ -430,10 +430,12 @@ impl Arguments {
             });
         }
         for pair in &self.results {
+            let result = read_channel(&pair.result, self.channel.as_deref())?;
+            let table = result.seen(&tables::read(&pair.table)?)?.into_owned();
             held.push(Held {
                 name: name(pair, &self.results),
-                result: read_channel(&pair.result, self.channel.as_deref())?,
-                table: tables::read(&pair.table)?,
+                result,
+                table,
             });
         }
         Ok(held)
