@@ -1,5 +1,5 @@
 // Uses the menu of the page, and posts what is seen to the parent frame as JSON.
-addEventListener("load", async () => {
+addEventListener("load", () => {
   const all = (query) => [...document.querySelectorAll(query)];
   const box = (e) => e.getBoundingClientRect();
   const seen = (e) => box(e).width > 0 && box(e).height > 0;
@@ -28,8 +28,7 @@ addEventListener("load", async () => {
     const own = luminance(e.closest("svg") ? style.fill : style.color);
     return (Math.max(own, ground) + 0.05) / (Math.min(own, ground) + 0.05);
   };
-  let broken = 0;
-  for (const image of all("img")) await image.decode().catch(() => (broken += 1));
+  const broken = all("img").filter((image) => !image.complete || image.naturalWidth === 0).length;
   document.getElementById("s1").click();
   const second = { columns: columns(), curves: curves() };
   document.getElementById("i1").click();
