@@ -183,6 +183,11 @@ impl Table {
         self.table.azimuths()
     }
 
+    /// Returns whether a table of rays counts exit directions that are not straight back.
+    fn has_exits(&self) -> bool {
+        self.table.deviations.is_some()
+    }
+
     /// Returns eta at a direction, and whether it was interpolated.
     fn eta_at(&self, incidence_deg: f64, azimuth_deg: Option<f64>) -> PyResult<(f64, bool)> {
         let direction = self.table.direction(incidence_deg, azimuth_deg);

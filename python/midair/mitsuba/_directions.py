@@ -134,6 +134,11 @@ def _grid_of(table: Table) -> Grid:
             f"the table holds the incidence {incidences[0]:g} only, and rays of a scene have many; "
             'trace it with several, such as incidence="0:60:5"'
         )
+    if not table.is_exact and table._table.has_exits():
+        raise Error(
+            "the table of rays counts exit directions apart from paths, and a ray of a scene needs "
+            'both; trace it with method="exact" (bake trace --method exact)'
+        )
     index = float(table.provenance["refractive_index"])
     images = table._table.azimuths()
     is_mean = bool(np.isnan(table.azimuth_deg).any())

@@ -17,7 +17,6 @@ import mitsuba as mi
 from midair._errors import Error, MidairWarning
 from midair.mitsuba._directions import choose, is_scalar
 from midair.mitsuba._keys import Keys
-from midair.mitsuba._sheet import FOLLOWED
 
 KEYS = ["max_depth", "rr_depth", "guided"]
 
@@ -68,7 +67,7 @@ def path_class(sheet: type, mirror: type) -> type:
             self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
         ) -> tuple[Any, Any, list[Any]]:
             found = self._found(scene)
-            step = _Step(self, scene, bool(found.sheets), sheet, mirror)
+            step = _Step(self, scene, found.sheets, sheet, mirror)
             state = _State.of(ray, active)
             if is_scalar():
                 while state.active:
@@ -148,12 +147,13 @@ def _state_class() -> type:
 class _Step:
     """One turn of the loop: from a surface to the next."""
 
-    def __init__(self, integrator: Any, scene: Any, has_sheets: bool, sheet: type, mirror: type):
-        self.integrator, self.scene, self.has_sheets = integrator, scene, has_sheets
+    def __init__(self, integrator: Any, scene: Any, sheets: list[Any], sheet: type, mirror: type):
+        self.integrator, self.scene, self.has_sheets = integrator, scene, bool(sheets)
+        self.has_lobe = any(one.A is not None for one in sheets)
+        self.has_spread = any(one.has_spread for one in sheets)
         self.sheet, self.mirror = sheet, mirror
         self.limit = integrator.max_depth if integrator.max_depth >= 0 else 0xFFFFFFFF
         self.context = mi.BSDFContext()
-        self.context.type_mask |= FOLLOWED
         self.has_emitters = len(scene.emitters()) > 0
 
     def __call__(self, sampler: Any, s: _State) -> None:
@@ -168,39 +168,38 @@ class _Step:
             s.active = False
             return
         bsdf = si.bsdf(s.ray)
-        # One call of the BSDF gives both: its value towards the emitter, and a new direction.
         has_lobe = active & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
         ds, emitted = scene.sample_emitter_direction(si, sampler.next_2d(), True, has_lobe)
         has_lobe &= ds.pdf != 0
         wo = si.to_local(ds.d)
         pick, point = sampler.next_1d(), sampler.next_2d()
-        value, density, bs, weight = bsdf.eval_pdf_sample(
-            self.context, si, wo, pick, point, active
-        )
+        # One call of the BSDF gives both: its value towards the emitter, and a new direction.
+        is_ours = mi.Bool(False)
+        if self.has_sheets:
+            value, density, bs, weight, is_ours = self._meet(
+                sampler, s, si, bsdf, wo, pick, point, active
+            )
+        else:
+            value, density, bs, weight = bsdf.eval_pdf_sample(
+                self.context, si, wo, pick, point, active
+            )
         value = si.to_world_mueller(value, -wo, si.wi)
         ours = choose(ds.delta, 1, _heuristic(ds.pdf, density))
         s.light = choose(has_lobe, s.light + s.factor * (value * emitted * ours), s.light)
         weight = si.to_world_mueller(weight, -bs.wo, si.wi)
-        direction = bs.wo
-        is_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
-        is_ours = mi.Bool(False)
-        if self.has_sheets:
-            weight, direction, is_ours = self._sheets(
-                sampler, s, si, bsdf, pick, point, weight, direction, active
-            )
-        ray = si.spawn_ray(si.to_world(direction))
+        ray = si.spawn_ray(si.to_world(bs.wo))
         # Rays begin a little above their surface, along its normal. That would move a mid-air image
         # by some 0.01 mm at 300 mm, so rays of sheets and half mirrors begin on their own line.
         above = dr.dot(ray.o - si.p, si.n) / dr.dot(ray.d, si.n)
         ray.o = choose(is_ours, si.p + above * ray.d, ray.o)
         s.ray = choose(active, ray, s.ray)
-        is_delta = is_ours | is_delta
         s.factor = choose(active, s.factor * weight, s.factor)
         s.eta = choose(active, s.eta * bs.eta, s.eta)
         s.before = choose(
             active, mi.Interaction3f(si.t, si.time, si.wavelengths, si.p, si.n), s.before
         )
         s.density = choose(active, bs.pdf, s.density)
+        is_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
         s.is_delta = choose(active, is_delta, s.is_delta)
         s.depth = choose(si.is_valid() & active, s.depth + 1, s.depth)
         s.active = active & self._goes_on(sampler, s)
@@ -226,54 +225,44 @@ class _Step:
         here = s.factor * (emitter.eval(si, s.active) * ours)
         s.light = choose(s.active, s.light + here, s.light)
 
-    def _sheets(
-        self,
-        sampler: Any,
-        s: _State,
-        si: Any,
-        bsdf: Any,
-        pick: Any,
-        point: Any,
-        weight: Any,
-        direction: Any,
-        active: Any,
-    ) -> tuple[Any, Any, Any]:
-        """Move and turn the paths that have met a sheet, and guide those at half mirrors.
+    def _meet(
+        self, sampler: Any, s: _State, si: Any, bsdf: Any, wo: Any, pick: Any, point: Any, active: Any
+    ) -> tuple[Any, Any, Any, Any, Any]:
+        """Evaluate and sample BSDFs, with sheets that move `si.p` and half mirrors that guide.
 
-        Returns weight, direction, and which paths these are.
+        Returns what `eval_pdf_sample` does, and which paths have met a sheet or a guiding mirror.
         """
-        guides = self.integrator.is_guided
+        guides, context = self.integrator.is_guided, self.context
         sheet, mirror = self.sheet, self.mirror
-        slot, lobe, spread = sampler.next_1d(), sampler.next_2d(), sampler.next_2d()
+        slot = sampler.next_1d()
+        lobe = sampler.next_2d() if self.has_lobe else mi.Point2f(0)
+        spread = sampler.next_2d() if self.has_spread else mi.Point2f(0)
 
-        def follow(self: Any, si: Any, s: Any, active: Any) -> tuple[Any, Any, Any, Any, Any]:
-            none = mi.Bool(False)
+        def meet(self: Any, si: Any, wo: Any, given: Any, active: Any) -> tuple[Any, ...]:
+            pick, point, slot, lobe, spread, returned = given
+            shift, yes, no = mi.Vector3f(0), mi.Bool(True), mi.Bool(False)
             if isinstance(self, sheet):
-                w, shift, out = self.follow(si, *s[:-1], active)
-                return w, shift, out, mi.Bool(True), none
+                weight, shift, out = self.follow(si, pick, point, slot, lobe, spread, active)
+                return mi.Spectrum(0), mi.Float(0), _sent(out), weight, shift, yes, no
             if guides and isinstance(self, mirror):
-                w, out = self.guided(si, s[-1])
-                return w, mi.Vector3f(0), out, none, mi.Bool(True)
-            return mi.Spectrum(0), mi.Vector3f(0), mi.Vector3f(0, 0, 1), none, none
+                weight, out = self.guided(si, returned)
+                return mi.Spectrum(0), mi.Float(0), _sent(out), weight, shift, no, yes
+            made = self.eval_pdf_sample(context, si, wo, pick, point, active)
+            return *made, shift, no, no
 
         given = (pick, point, slot, lobe, spread, s.returned)
         if is_scalar():
-            made = follow(bsdf, si, given, active)
+            made = meet(bsdf, si, wo, given, active)
         else:
-            made = dr.dispatch(bsdf, follow, si, given, active)
-        w, shift, out, at_sheet, at_mirror = made
+            made = dr.dispatch(bsdf, meet, si, wo, given, active)
+        value, density, bs, weight, shift, at_sheet, at_mirror = made
         at_sheet, at_mirror = active & at_sheet, active & at_mirror
         moved = si.p + si.sh_frame.s * shift.x + si.sh_frame.t * shift.y
         inside = self._is_on_sheet(si, moved, shift, at_sheet)
-        w = choose(at_sheet & _isnt(inside), 0, w)
+        weight = choose(at_sheet & _isnt(inside), 0, weight)
         si.p = choose(at_sheet, moved, si.p)
         s.returned |= at_sheet
-        either = at_sheet | at_mirror
-        return (
-            choose(either, w, weight),
-            choose(either, out, direction),
-            either,
-        )
+        return value, density, bs, weight, at_sheet | at_mirror
 
     def _is_on_sheet(self, si: Any, moved: Any, shift: Any, active: Any) -> Any:
         """Return whether a moved place still lies on its sheet: a short ray across it tells."""
@@ -303,6 +292,15 @@ class _Step:
         by_chance = s.depth >= self.integrator.rr_depth
         s.factor = choose(by_chance, s.factor / dr.maximum(chance, 1e-12), s.factor)
         return goes_on & (_isnt(by_chance) | (sampler.next_1d() < chance))
+
+
+def _sent(direction: Any) -> Any:
+    """Return the sample of a BSDF that sends a ray in one direction."""
+    made = mi.BSDFSample3f()
+    made.wo, made.pdf, made.eta = direction, mi.Float(1), mi.Float(1)
+    made.sampled_type = mi.UInt32(+mi.BSDFFlags.DeltaReflection)
+    made.sampled_component = mi.UInt32(0)
+    return made
 
 
 def _heuristic(ours: Any, other: Any) -> Any:

@@ -26,11 +26,6 @@ from midair.mitsuba._keys import SHEET, Keys, Numbers, numbers_of
 _LOBE = 2048
 _CUT = 2.4 * np.pi
 
-#: Bit in the `type_mask` of a context by which `midair_path` tells a sheet that it follows the
-#: ray itself. No type of a BSDF has it. (A flag of this module would not do: reverse derivatives
-#: call the BSDF again after the integrator has returned.)
-FOLLOWED = 1 << 31
-
 
 def delta_class() -> type:
     """Return the base class, for the current variant, of BSDFs that only send a ray on."""
@@ -208,8 +203,6 @@ def sheet_class(delta: type) -> type:
             made.pdf, made.eta = mi.Float(1), mi.Float(1)
             made.sampled_type = mi.UInt32(+mi.BSDFFlags.DeltaReflection)
             made.sampled_component = mi.UInt32(0)
-            if context.type_mask & FOLLOWED:
-                return made, mi.Spectrum(0)
             warnings.warn(
                 f"{self.plugin}: this integrator returns light straight back, without the shift and "
                 'the lobe; use the integrator {"type": "midair_path"}',
