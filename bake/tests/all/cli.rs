@@ -225,3 +225,25 @@ fn without_mpi_a_run_of_many_is_refused_once() {
     --refractive-index 1";
     assert_eq!(run("0", share), silent);
 }
+
+/// The edge length of a truncated cube is that of the whole one, which the mesh states. A table is
+/// named if another one replaces it, and only then.
+#[test]
+fn the_edge_length_and_what_is_replaced_are_said() {
+    let folder = Folder::with(&[]);
+    let design = "design triangular --edge-length 0.18 --truncation 0.2 -o cut.obj";
+    folder.quiet(design);
+    let stated = folder.quiet("trace cut.obj -o t.h5 --refractive-index 1 --incidence 0");
+    assert!(
+        stated.contains("edge length: 0.18 file unit (stated by the mesh)"),
+        "{stated}"
+    );
+    assert!(!stated.contains("replaced"), "{stated}");
+    let again = folder.quiet("trace cut.obj -o t.h5 --refractive-index 1 --incidence 0");
+    assert!(!again.contains("replaced"), "{again}");
+    let other = folder.quiet("trace cut.obj -o t.h5 --refractive-index 1 --incidence 0,10");
+    assert!(
+        other.contains("replaced: a table of triangular, 1 directions, content "),
+        "{other}"
+    );
+}
