@@ -56,7 +56,6 @@ def main():
         loss = dr.mean(dr.square(image - photograph), axis=None)
         dr.backward(loss)
         adam.step()
-        if len(__import__('sys').argv)>1: print(step, float(adam['c'][0]), float(adam['mu'][0]), flush=True)
     for name, true in TRUTH.items():
         print(f"{name}: {float(adam[name][0]):.4f}, true {true}")
 

@@ -13,6 +13,20 @@ PAIR = midair.design("triangular-pair")
 
 
 class Tables(Case):
+    def test_eta_at_many_directions_is_that_at_each(self) -> None:
+        table = midair.trace(
+            PAIR, refractive_index=1.49, incidence="0:40:10", azimuth="full:15", bins=8
+        )
+        generator = np.random.default_rng(1)
+        incidence = np.append(generator.uniform(0, 40, 40), [0, 20, 20, 40])
+        azimuth = np.append(generator.uniform(-360, 360, 40), [0, 15, 22, 30])
+        each = [table.eta_at(*place) for place in zip(incidence, azimuth)]
+        # The same sums in another order.
+        np.testing.assert_allclose(table._table.etas(incidence, azimuth), each, atol=1e-12)
+        with self.assertRaises(midair._midair.Refusal):
+            table._table.etas(np.array([10.0, 41.0]), np.array([0.0, 0.0]))
+        self.tell(len(each), "directions")
+
     def test_polygons_give_eta_and_the_transfer_function(self) -> None:
         table = midair.trace(PAIR, refractive_index=1.49, incidence="0:40:20", azimuth=[0, 30])
         cases = 0
