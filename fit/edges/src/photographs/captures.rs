@@ -730,7 +730,7 @@ fn lamp(table: &SetupTable, document: &Document, file: &Path) -> Result<Option<L
     }))
 }
 
-/// Reads the table [setup] of a manifest, or of a file that has only this table.
+/// Reads the table `[setup]` of a manifest, or of a file that has only this table.
 ///
 /// `pixel_pitch_mm` is 1 if the file does not give it.
 ///

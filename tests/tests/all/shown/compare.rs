@@ -32,8 +32,8 @@ const LIGHT: &str = "--luminance 500 --ambient-nits 5";
 fn numbers_are_those_of_predictions() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let table = bake_table(here, "triangular-pair", "0:45:15", "30");
-    let manifest = argument("tests/captures/public_shared/captures.toml");
+    let table = bake_table(here, "triangular-pair", "0:45:5", "30");
+    let manifest = argument("tests/captures/public_per_angle/captures.toml");
     let line = format!("estimate {manifest} --table {table} -o a.json --kernel eq1 --diagnose 0");
     assert_eq!(fit(here, &line).code, Some(0));
     fs::copy(here.join("a.json"), here.join("b.json")).unwrap();

@@ -50,8 +50,12 @@ addEventListener("load", async () => {
   const drop = new Event("drop");
   drop.dataTransfer = { files: [new File([blob], name, { type: "image/png" })] };
   dispatchEvent(drop);
-  await new Promise((done) => setTimeout(done, 500));
-  const chosen = document.getElementById("choice").selectedOptions[0].textContent;
+  // Decoding takes as long as it takes: a machine may be busy.
+  let chosen = "";
+  for (let tries = 0; tries < 200 && chosen !== name; tries += 1) {
+    await new Promise((done) => setTimeout(done, 50));
+    chosen = document.getElementById("choice").selectedOptions[0].textContent;
+  }
   const wide = [...document.body.querySelectorAll("*")]
     .filter((e) => e.tagName !== "OPTION" && box(e).right > innerWidth + 0.5);
   const named = [...document.querySelectorAll("input, select, button")].filter(
