@@ -79,7 +79,12 @@ def scene(table, numbers, scale, eye, width, fov, size, aperture=None):
         focus = near * float(np.linalg.norm(np.subtract(eye, [0, 0, 1])))
         made["camera"].update(aperture_radius=aperture, focus_distance=focus)
     made["half_mirror"]["to_world"] = mi.ScalarTransform4f(
-        [[0.75 * near, 0, 0, 0], [0, 0.6 * near, 0.707, 0], [0, -0.6 * near, 0.707, 0], [0, 0, 0, 1]]
+        [
+            [0.75 * near, 0, 0, 0],
+            [0, 0.6 * near, 0.707, 0],
+            [0, -0.6 * near, 0.707, 0],
+            [0, 0, 0, 1],
+        ]
     )
     made["source"]["light"]["radiance"] = brighter(made["source"]["light"]["radiance"], 20)
     floor = -0.62 * near

@@ -5,8 +5,8 @@ around the azimuth by the azimuth itself, over all azimuths that the symmetry of
 
 - **eta** between nodes is that of `Table.eta_at`, sampled on a finer grid and interpolated by
   parabolas. `Grid.eta_error` is the difference that 99 % of random directions keep.
-- **Shifts** between nodes are a mixture: a node is drawn with its bilinear weight times its eta, and
-  a shift from the distribution of that node, in the incidence frame.
+- **Shifts** between nodes are a mixture: a node is drawn with its bilinear weight times its eta,
+  and a shift from the distribution of that node, in the incidence frame.
 - **A node** holds triangles (of an exact table: each polygon cut into triangles) or parallelograms
   (the bins of a table of rays), and an alias table that chooses one by its power in one step.
 """
@@ -24,9 +24,9 @@ import numpy.typing as npt
 from midair._errors import Error, refusals
 from midair._table import Floats, Table
 
-#: Error of eta that all but a hundredth of random directions must keep, or the finer grid is refined.
+#: Error of eta that 99 % of random directions must keep, or the finer grid is refined.
 #: A parabola errs by f'' h^2 / 16 where a corner of a polygon vanishes, and far less elsewhere. The
-#: remaining hundredth lies at jumps: where the table's own interpolation changes its paths abruptly.
+#: remaining 1 % lies at jumps, where the table's own interpolation changes its paths abruptly.
 FINE = 5e-6
 #: Most directions at which the table is asked for its eta; each takes some 5 us.
 MOST = 500_000
@@ -341,7 +341,7 @@ def _entries(
 
 
 def _triangles(table: Table, incidence: float, azimuth: float) -> tuple[Floats, Floats, Floats]:
-    """Return the triangles of shifts of a direction (corner, two sides), their powers, deviations."""
+    """Return triangles of shifts of a direction (corner, two sides), powers and deviations."""
     shapes, powers, deviations = [], [], []
     for path in table.polygons(incidence, azimuth):
         shifted = path.shift(path.polygon)
@@ -482,7 +482,8 @@ class Directions:
         tail = _read_four(self.entry, 2 * e + 1, active)
         keep = x - mi.Float(at) < tail.z
         e = choose(keep, e, first + mi.UInt32(tail.w))
-        head, tail = _read_four(self.entry, 2 * e, active), _read_four(self.entry, 2 * e + 1, active)
+        head = _read_four(self.entry, 2 * e, active)
+        tail = _read_four(self.entry, 2 * e + 1, active)
         p, q = mi.Float(point.x), mi.Float(point.y)
         if self.grid.is_exact:
             # The other half of the parallelogram is turned into the triangle.

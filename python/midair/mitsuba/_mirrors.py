@@ -1,4 +1,4 @@
-"""BSDFs `midair_half_mirror`, a thin half mirror, and `midair_plate`, a micro-mirror array plate."""
+"""BSDFs `midair_half_mirror`, thin, and `midair_plate`, a micro-mirror array plate."""
 
 from __future__ import annotations
 

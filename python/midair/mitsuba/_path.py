@@ -226,7 +226,15 @@ class _Step:
         s.light = choose(s.active, s.light + here, s.light)
 
     def _meet(
-        self, sampler: Any, s: _State, si: Any, bsdf: Any, wo: Any, pick: Any, point: Any, active: Any
+        self,
+        sampler: Any,
+        s: _State,
+        si: Any,
+        bsdf: Any,
+        wo: Any,
+        pick: Any,
+        point: Any,
+        active: Any,
     ) -> tuple[Any, Any, Any, Any, Any]:
         """Evaluate and sample BSDFs, with sheets that move `si.p` and half mirrors that guide.
 

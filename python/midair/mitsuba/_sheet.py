@@ -204,8 +204,8 @@ def sheet_class(delta: type) -> type:
             made.sampled_type = mi.UInt32(+mi.BSDFFlags.DeltaReflection)
             made.sampled_component = mi.UInt32(0)
             warnings.warn(
-                f"{self.plugin}: this integrator returns light straight back, without the shift and "
-                'the lobe; use the integrator {"type": "midair_path"}',
+                f"{self.plugin}: this integrator returns light straight back, without the shift "
+                'and the lobe; use the integrator {"type": "midair_path"}',
                 MidairWarning,
                 stacklevel=2,
             )
