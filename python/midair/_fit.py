@@ -848,6 +848,7 @@ def sheet(
     angular_spread_mrad: float | None = None,
     mu: float | None = None,
     half_mirror: float | None = None,
+    setup: File | None = None,
     pixel_pitch: float | None = None,
 ) -> Result:
     """Make the result of a sheet that nobody has photographed, to predict and render with.
@@ -871,6 +872,9 @@ def sheet(
         Reflectance; without it the luminance is not known.
     half_mirror : float, optional
         Transmittance times reflectance of the half mirror.
+    setup : path, optional
+        TOML file with a table ``[setup]`` as in a manifest: polarisers, lamp, half mirror, ghost,
+        haze.
     pixel_pitch : float, optional
         Side of a pixel of pictures, mm, for `Result.render`.
     """
@@ -891,6 +895,7 @@ def sheet(
         angular_spread_mrad=angular_spread_mrad,
         mu=mu,
         half_mirror=half_mirror,
+        setup=setup,
         pixel_pitch=pixel_pitch,
     )
     with refusals():

@@ -18,7 +18,7 @@ from midair._words import File
 Picture: TypeAlias = "npt.NDArray[Any]"
 
 
-def is_file(picture: Picture | File) -> bool:
+def is_file(picture: Picture | File) -> TypeGuard[File]:
     """Return whether a picture is a path."""
     return isinstance(picture, (str, os.PathLike))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import inspect
+import pkgutil
 import re
 import subprocess
 import sys
@@ -28,6 +29,7 @@ OF_A_SHEET = {
     "half_mirror",
     "kernel",
     "mu",
+    "setup",
     "sheet",
     "wavelength_nm",
 }
@@ -100,7 +102,14 @@ class Signatures(Case):
             self.skipTest("mypy is not installed")
         files = [ROOT / "python" / "tests" / "examples.py"]
         mypy = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--no-incremental"]
-        for what in (["-p", "midair"], files):
+        # midair.mitsuba derives from classes of a package that most people do not install.
+        has_mitsuba = importlib.util.find_spec("mitsuba") is not None
+        modules = ["midair"] + [
+            f"midair.{one.name}"
+            for one in pkgutil.iter_modules(midair.__path__)
+            if has_mitsuba or one.name != "mitsuba"
+        ]
+        for what in ([word for name in modules for word in ("-m", name)], files):
             done = subprocess.run(
                 [*mypy, *what], capture_output=True, text=True, check=False, cwd=self.folder
             )

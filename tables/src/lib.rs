@@ -55,7 +55,7 @@ pub use table::check::Invalid;
 // A direction and its spectrum:
 pub use lookup::direction::Direction;
 pub use lookup::family::Family;
-pub use lookup::passage::{Matrix, Passage, product};
+pub use lookup::passage::{Matrix, Passage};
 pub use otf::hermite::Samples;
 pub use otf::shift::ShiftLine;
 pub use otf::wave::{NoWaves, WaveLine};

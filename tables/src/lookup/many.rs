@@ -17,7 +17,9 @@ impl Table {
     /// Returns the error of the first direction that has one.
     pub fn retroreflected_at(&self, directions: &[[f64; 2]]) -> Result<Vec<f64>, Error> {
         let images = self.images();
-        let exact = self.exact.as_ref().filter(|_| !self.axes.is_mean());
+        // Paths between polarisers have other weights than their families.
+        let is_plain = !self.axes.is_mean() && self.passage.is_none();
+        let exact = self.exact.as_ref().filter(|_| is_plain);
         let mut gap: Option<Gap> = None;
         let mut eta = |&[incidence_deg, azimuth_deg]: &[f64; 2]| {
             let slowly = || {

@@ -79,7 +79,7 @@ fn ideal(amplitude: f64) -> Matrix {
 }
 
 /// Returns the product of two matrices.
-pub fn product(a: &Matrix, b: &Matrix) -> Matrix {
+fn product(a: &Matrix, b: &Matrix) -> Matrix {
     let entry = |i: usize, j: usize| a[i][0] * b[0][j] + a[i][1] * b[1][j];
     [0, 1].map(|i| [0, 1].map(|j| entry(i, j)))
 }

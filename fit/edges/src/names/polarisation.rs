@@ -110,15 +110,14 @@ impl Polarisation {
             self.retarder
                 .map_or(diagonal(1.0, 1.0), |own| own.matrix(sign))
         };
-        let source = match self.source {
-            State::Unpolarised => diagonal(1.0, 1.0),
-            state => state.projection(1.0).map(|row| row.map(|own| own * SQRT_2)),
+        // A polarised source has all of its light in one state.
+        let amplitude = match self.source {
+            State::Unpolarised => 1.0,
+            _ => SQRT_2,
         };
+        let source = (self.source.projection(1.0)).map(|row| row.map(|own| own * amplitude));
         // Axes in space stand at the opposite angle in the frame of the way back, whose p is turned.
-        let analyser = match self.analyser {
-            State::Unpolarised => diagonal(1.0, 1.0),
-            state => state.projection(-1.0),
-        };
+        let analyser = self.analyser.projection(-1.0);
         [
             product(&film(1.0), &product(&first, &source)),
             product(&analyser, &product(&last, &film(-1.0))),

@@ -77,7 +77,12 @@ impl Spectrum {
                 "has {lines} wavelengths, above the limit of {MOST_LINES}; merge neighbouring ones"
             )));
         }
-        let lines: Vec<SpectralLine> = text.split(',').map(read).collect::<Result<_, _>>()?;
+        Spectrum::of_lines(text.split(',').map(read).collect::<Result<_, _>>()?)
+    }
+
+    /// Returns the spectrum of lines that have been checked one by one, of which there is at least
+    /// one.
+    pub(crate) fn of_lines(lines: Vec<SpectralLine>) -> Result<Spectrum, SpectrumError> {
         let lengths = || lines.iter().map(|line| line.wavelength_nm);
         let (least_nm, most_nm) = (
             lengths().fold(f64::INFINITY, f64::min),

@@ -95,21 +95,16 @@ impl Lamp {
     /// Luminance of a camera with three channels is their sum by the weights of Rec. 709, and that
     /// of a camera with one is its only channel.
     pub fn through(&self, channel: &Channel) -> Option<Spectrum> {
-        let response = |nm: f64| match &self.response {
-            None => efficiency().at(nm, 0),
-            Some(curve) => match (curve.columns.len(), channel) {
-                (1, _) | (_, Channel::Red) => curve.at(nm, 0),
-                (_, Channel::Green) => curve.at(nm, 1),
-                (_, Channel::Blue) => curve.at(nm, 2),
-                _ => (0..3).map(|k| f64::from(REC709[k]) * curve.at(nm, k)).sum(),
-            },
+        let eye = efficiency();
+        let curve = self.response.as_ref().unwrap_or(&eye);
+        let response = |nm: f64| match (curve.columns.len(), channel) {
+            (1, _) | (_, Channel::Red) => curve.at(nm, 0),
+            (_, Channel::Green) => curve.at(nm, 1),
+            (_, Channel::Blue) => curve.at(nm, 2),
+            _ => (0..3).map(|k| f64::from(REC709[k]) * curve.at(nm, k)).sum(),
         };
         // Both curves are straight between their own wavelengths.
-        let other = self
-            .response
-            .as_ref()
-            .map_or_else(|| efficiency().nm, |own| own.nm.clone());
-        let mut all: Vec<f64> = self.power.nm.iter().copied().chain(other).collect();
+        let mut all = [&self.power.nm[..], &curve.nm].concat();
         all.sort_by(f64::total_cmp);
         all.dedup();
         let width = |k: usize| {
@@ -302,11 +297,7 @@ fn gauss(values: &[(f64, f64)]) -> Option<Spectrum> {
         .collect();
     lines.retain(|line| line.weight > 0.0);
     lines.sort_by(|a, b| a.wavelength_nm.total_cmp(&b.wavelength_nm));
-    let text: Vec<String> = lines
-        .iter()
-        .map(|own| format!("{}:{}", own.wavelength_nm, own.weight))
-        .collect();
-    Spectrum::parse(&text.join(",")).ok()
+    Spectrum::of_lines(lines).ok()
 }
 
 #[cfg(test)]

@@ -20,10 +20,11 @@ mod processing;
 mod profile;
 mod roi;
 mod saturation;
+mod setup;
 pub mod sfr;
 mod window;
 
-pub use captures::{Campaign, Capture, Setup, Shot};
+pub use captures::{Campaign, Capture, Shot};
 pub use edge::locate;
 pub use measure::Measurement;
 pub use noise::PixelNoise;
@@ -32,6 +33,7 @@ pub(crate) use photo::load_colour;
 pub use profile::BIN_PX;
 pub use profile::Profile;
 pub use roi::Roi;
+pub use setup::Setup;
 pub use sfr::Mtf;
 #[cfg(test)]
 pub(crate) use sfr::standard_error;
