@@ -56,7 +56,7 @@ struct Problem<F> {
     now: Evaluation,
 }
 
-impl<F: Fn(&DVector<f64>) -> Evaluation> LeastSquaresProblem<f64, Dyn, Dyn> for Problem<F> {
+impl<F: FnMut(&DVector<f64>) -> Evaluation> LeastSquaresProblem<f64, Dyn, Dyn> for Problem<F> {
     type ResidualStorage = Owned<f64, Dyn>;
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
     type ParameterStorage = Owned<f64, Dyn>;
@@ -102,7 +102,7 @@ const STEP_BOUND: f64 = 0.3;
 pub fn least_squares(
     start: DVector<f64>,
     tolerance: f64,
-    evaluate: impl Fn(&DVector<f64>) -> Evaluation,
+    mut evaluate: impl FnMut(&DVector<f64>) -> Evaluation,
 ) -> Solution {
     let now = evaluate(&start);
     least_squares_from(start, now, tolerance, evaluate)
@@ -113,7 +113,7 @@ pub fn least_squares_from(
     start: DVector<f64>,
     now: Evaluation,
     tolerance: f64,
-    evaluate: impl Fn(&DVector<f64>) -> Evaluation,
+    evaluate: impl FnMut(&DVector<f64>) -> Evaluation,
 ) -> Solution {
     let problem = Problem {
         evaluate,

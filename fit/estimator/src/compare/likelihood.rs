@@ -457,21 +457,29 @@ impl<'a> Photograph<'a> {
     }
 
     /// Moves the nuisances to their optimum under a model, from the start.
+    pub fn fit(&self, curves: &Curves) -> FittedPhotograph {
+        self.fit_from(curves, self.start)
+    }
+
+    /// Moves the nuisances to their optimum under a model, from those of a model near it.
     ///
     /// Under a model that describes the pixels the problem is almost linear, and steps of
     /// Gauss-Newton lead to the optimum. Under a poor model they may overshoot. Then they are
     /// damped as those of Levenberg and Marquardt.
-    pub fn fit(&self, curves: &Curves) -> FittedPhotograph {
+    pub(crate) fn fit_from(&self, curves: &Curves, start: Nuisances) -> FittedPhotograph {
         const MOST: usize = 12;
         // Damping after the first step that overshoots, and its factor from step to step.
         const FIRST: f64 = 1e-3;
         const FACTOR: f64 = 10.0;
+        // Share of the promised fall from which on a step asks for less damping. A step that is
+        // damped right reaches about a half, and with less the next one would overshoot again.
+        const KEPT: f64 = 0.75;
         // Share by which chi-square may rise: more than rounding, far less than by any overshoot.
         const RISE: f64 = 1e-9;
         let own = self.step_column() + 1;
         let columns = own + curves.by.len();
         let chi2 = |fitted: &FittedPhotograph| fitted.factor.column(columns).norm_squared();
-        let mut fitted = self.normal(curves, self.start);
+        let mut fitted = self.normal(curves, start);
         let mut damping = 0.0;
         for _ in 0..MOST {
             let squares = chi2(&fitted);
@@ -483,13 +491,16 @@ impl<'a> Photograph<'a> {
             let step = factor::damped_step(&fitted.factor, own, columns, damping);
             let next = fitted.nuisances.moved(&step, self.terms, self.bends());
             let tried = self.normal(curves, next);
-            if chi2(&tried) <= squares * (1.0 + RISE) {
+            let left = chi2(&tried);
+            if left <= squares * (1.0 + RISE) {
                 fitted = tried;
-                damping = if damping > FIRST {
-                    damping / FACTOR
-                } else {
-                    0.0
-                };
+                if squares - left > KEPT * fall {
+                    damping = if damping > FIRST {
+                        damping / FACTOR
+                    } else {
+                        0.0
+                    };
+                }
             } else {
                 damping = (FACTOR * damping).max(FIRST);
             }

@@ -134,7 +134,7 @@ fn derivatives_by_blur_and_exponent_of_the_lens_match_differences() {
     let layout = Layout::new(SHARED, scene.groups.len());
     let mut off = joint.start(&at);
     off.add_scalar_mut(0.05);
-    let (residuals, jacobian) = joint.evaluate(&layout, &off);
+    let (residuals, jacobian) = joint.evaluate(&layout, &off, &mut Vec::new());
     let gradient = 2.0 * jacobian.tr_mul(&residuals);
     let h = 1e-3;
     let mut cases = 0;
@@ -142,7 +142,10 @@ fn derivatives_by_blur_and_exponent_of_the_lens_match_differences() {
         let squares = |h: f64| {
             let mut moved = off.clone();
             moved[i] += h;
-            joint.evaluate(&layout, &moved).0.norm_squared()
+            joint
+                .evaluate(&layout, &moved, &mut Vec::new())
+                .0
+                .norm_squared()
         };
         let difference = (squares(h) - squares(-h)) / (2.0 * h);
         println!("{i}: {:.5e} {difference:.5e}", gradient[i]);

@@ -169,13 +169,16 @@ fn derivatives_of_the_likelihood_match_differences() {
             let joint = Joint::new(&scene, choice, &at);
             let layout = Layout::new(choice, scene.groups.len());
             let off = joint.start(&at.map(|v| v + 0.05));
-            let (residuals, jacobian) = joint.evaluate(&layout, &off);
+            let (residuals, jacobian) = joint.evaluate(&layout, &off, &mut Vec::new());
             let gradient = 2.0 * jacobian.tr_mul(&residuals);
             for i in 0..off.len() {
                 let squares = |h: f64| {
                     let mut moved = off.clone();
                     moved[i] += h;
-                    joint.evaluate(&layout, &moved).0.norm_squared()
+                    joint
+                        .evaluate(&layout, &moved, &mut Vec::new())
+                        .0
+                        .norm_squared()
                 };
                 let h = 1e-3;
                 let difference = (squares(h) - squares(-h)) / (2.0 * h);

@@ -4,7 +4,9 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 use rayon::prelude::*;
 
-use crate::compare::{Curves, FittedPhotograph, Photograph, Pixels, Remainder, are_uneven};
+use crate::compare::{
+    Curves, FittedPhotograph, Nuisances, Photograph, Pixels, Remainder, are_uneven,
+};
 use crate::estimate::scene::Scene;
 use crate::estimate::search::compared::model;
 use crate::estimate::search::covariance::{Covariances, Mu, Scatter};
@@ -139,10 +141,20 @@ impl<'a> Joint<'a> {
 
     /// Evaluates residuals and derivatives at a point, with the nuisances at their optimum. Each
     /// photograph has only a few rows, whose products equal those of all its pixels.
-    pub fn evaluate(&self, layout: &Layout, at: &DVector<f64>) -> Evaluation {
+    ///
+    /// The search for the nuisances begins with those in `near`, of an evaluation at a point near
+    /// this one, and leaves the new ones there. If there are none, it begins with the photographs'
+    /// own.
+    pub fn evaluate(
+        &self,
+        layout: &Layout,
+        at: &DVector<f64>,
+        near: &mut Vec<Nuisances>,
+    ) -> Evaluation {
+        let fitted = self.fitted_from(layout, at, near);
+        *near = fitted.iter().map(|(fitted, _)| fitted.nuisances).collect();
         // The rows of a factor below those of the nuisances, and its columns behind theirs.
-        let factors: Vec<DMatrix<f64>> = self
-            .fitted(layout, at)
+        let factors: Vec<DMatrix<f64>> = fitted
             .into_iter()
             .map(|(fitted, _)| without(&fitted.factor, fitted.columns))
             .collect();
@@ -173,24 +185,35 @@ impl<'a> Joint<'a> {
     /// Moves the nuisances of each photograph to their optimum. Returns the photographs, the
     /// reference last, with the curves to which they were fitted.
     fn fitted(&self, layout: &Layout, at: &DVector<f64>) -> Vec<(FittedPhotograph, Curves)> {
+        self.fitted_from(layout, at, &[])
+    }
+
+    /// Does what [`Joint::fitted`] does from the nuisances `near` of another point, if there are
+    /// any.
+    fn fitted_from(
+        &self,
+        layout: &Layout,
+        at: &DVector<f64>,
+        near: &[Nuisances],
+    ) -> Vec<(FittedPhotograph, Curves)> {
         let camera = self.camera(layout, at);
         let lens = &self.scene.optics.free;
-        let mut all: Vec<(FittedPhotograph, Curves)> = self
-            .shots
-            .par_iter()
-            .zip(&self.scene.shots)
-            .map(|(photograph, shot)| {
-                let model = model(shot, layout.choice);
-                let blur = layout.blur(at, shot.group);
-                let curves = photograph.curves(Some((&model, blur)), &camera, lens);
-                (photograph.fit(&curves), curves)
+        let shots = self.scene.shots.iter().map(Some);
+        let models = shots.chain(std::iter::repeat(None));
+        let photographs = self.shots.iter().chain(&self.references);
+        let all: Vec<_> = photographs.zip(models).enumerate().collect();
+        all.into_par_iter()
+            .map(|(i, (photograph, shot))| {
+                let model = shot.map(|shot| model(shot, layout.choice));
+                let blur = shot.map(|shot| layout.blur(at, shot.group));
+                let curves = photograph.curves(model.as_ref().zip(blur), &camera, lens);
+                let fitted = match near.get(i) {
+                    Some(&near) => photograph.fit_from(&curves, near),
+                    None => photograph.fit(&curves),
+                };
+                (fitted, curves)
             })
-            .collect();
-        all.extend(self.references.iter().map(|photograph| {
-            let curves = photograph.curves(None, &camera, lens);
-            (photograph.fit(&curves), curves)
-        }));
-        all
+            .collect()
     }
 
     /// Returns what the model leaves of each photograph, the reference last.

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::compare::{Remainder, Weights};
+use crate::compare::{Nuisances, Remainder, Weights};
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::search::compared::{Compared, assemble, compare};
 use crate::estimate::search::joint::Joint;
@@ -106,10 +106,21 @@ impl<'a> Loss<'a> {
     /// Evaluates residuals in units of their noise (plain for `Mse`) and their derivatives at a
     /// point. Only sums of products over all rows have a meaning.
     pub fn evaluate(&self, layout: &Layout, at: &DVector<f64>) -> Evaluation {
+        self.evaluate_from(layout, at, &mut Vec::new())
+    }
+
+    /// Does the same in a search, which keeps the nuisances of its last point in `near`: see
+    /// [`Joint::evaluate`]. It begins with none.
+    pub(crate) fn evaluate_from(
+        &self,
+        layout: &Layout,
+        at: &DVector<f64>,
+        near: &mut Vec<Nuisances>,
+    ) -> Evaluation {
         match self {
             Loss::Mtf(scene) => differences(scene, layout, at, Weights::Noise),
             Loss::Mse(scene) => differences(scene, layout, at, Weights::Even),
-            Loss::Edge(joint) => joint.evaluate(layout, at),
+            Loss::Edge(joint) => joint.evaluate(layout, at, near),
         }
     }
 

@@ -84,8 +84,11 @@ pub fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
 pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     let layout = Layout::new(from.choice, scene.groups.len());
     let start = loss.start(&from.solution.parameters);
-    let refine =
-        |start, now| least_squares_from(start, now, tolerance, |at| loss.evaluate(&layout, at));
+    let refine = |start, now| {
+        let mut near = Vec::new();
+        let evaluate = |at: &DVector<f64>| loss.evaluate_from(&layout, at, &mut near);
+        least_squares_from(start, now, tolerance, evaluate)
+    };
     let mut solution = refine(start.clone(), loss.evaluate(&layout, &start));
     if !is_noticed(loss, &layout, &solution.jacobian) {
         let again = noticeable(loss, &layout, &start).map(|(start, now)| refine(start, now));
@@ -183,7 +186,10 @@ pub fn widened(scene: &Scene, loss: &Loss, from: &Optimum) -> Optimum {
         let value = start[spread];
         start = start.insert_rows(spread, layout.spreads - 1, value);
     }
-    let mut solution = least_squares(start, CONVERGED, |at| loss.evaluate(&layout, at));
+    let mut near = Vec::new();
+    let mut solution = least_squares(start, CONVERGED, |at| {
+        loss.evaluate_from(&layout, at, &mut near)
+    });
     layout.limit(&mut solution.parameters);
     Optimum {
         choice,
@@ -213,8 +219,9 @@ pub fn sum_of_squares_with(
 ) -> (f64, DVector<f64>) {
     let layout = Layout::new(choice, scene.groups.len());
     let with = |free: &DVector<f64>| free.clone().insert_row(fixed, value);
-    let evaluate = |free: &DVector<f64>| {
-        let (residuals, jacobian) = loss.evaluate(&layout, &with(free));
+    let mut near = Vec::new();
+    let mut evaluate = |free: &DVector<f64>| {
+        let (residuals, jacobian) = loss.evaluate_from(&layout, &with(free), &mut near);
         (residuals, jacobian.remove_column(fixed))
     };
     let free = from.clone().remove_row(fixed);
