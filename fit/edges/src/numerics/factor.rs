@@ -49,12 +49,12 @@ impl Products {
                 *sum += (a * by[0] + b * by[1]) + (c * by[2] + d * by[3]);
             }
         }
-        self.waiting.fill(0.0);
         self.rows = 0;
     }
 
     /// Returns the sum. Only its upper triangle is filled.
     pub fn sum(mut self) -> DMatrix<f64> {
+        self.waiting[self.rows * self.size..].fill(0.0);
         self.flush();
         DMatrix::from_vec(self.size, self.size, self.sums)
     }

@@ -318,15 +318,14 @@ impl<'a> Photograph<'a> {
         self.bend_column() + self.bends() + priors
     }
 
-    /// Returns the tangents of the curve's orders that are estimated, at the middle of a bin, see
-    /// [`Bend::tangents`].
+    /// Returns the tangents of the curve's orders at the middle of a bin, see [`Bend::tangents`];
+    /// 0 where they are not estimated.
     ///
     /// Within a bin the curve leaves its tangent by a little. Place, turn and the lower orders take
     /// this.
-    fn tangents(&self, bin: &Bin) -> impl Iterator<Item = [f64; 2]> + Clone + use<> {
+    fn tangents(&self, bin: &Bin) -> [[f64; 2]; ORDERS - 1] {
         let curve = self.curve();
-        let tangents = curve.map(|bend| bend.tangents(bin.along));
-        tangents.into_iter().flatten()
+        curve.map_or_else(Default::default, |bend| bend.tangents(bin.along))
     }
 
     /// Returns mean and standard deviation of the lit part of the dark plateau, of which nothing is
@@ -534,11 +533,12 @@ impl<'a> Photograph<'a> {
             let curves = moments.as_ref();
             curves.map_or([0.0; 4], |moments| place.of(&moments[i]))
         };
+        let bends = self.bends();
         let slope_across = at.light[0] / UNIT_PX;
         let of_lamp = at.lamp * slope_across;
         for (bin, weight) in self.bins.iter().zip(&self.weights) {
             let tangents = self.tangents(bin);
-            let place = at.place(bin, tangents.clone());
+            let place = at.place(bin, tangents);
             let lights = self.lights(bin, &at.light);
             // A curve in this light: its mean, and its slope along the edge.
             let lit = |curve: [f64; 4], moment: [f64; 4]| {
@@ -576,7 +576,7 @@ impl<'a> Photograph<'a> {
                 let both = |k: usize| at.step * of_edge[k] + at.lit * of_dark[k];
                 push([0, 1].map(both), 1.0);
             }
-            for [height, slope] in tangents {
+            for [height, slope] in tangents.into_iter().take(bends) {
                 let both = |k: usize| height * by_place[k] - slope * by_turn[k];
                 push([0, 1].map(both), at.step);
             }
@@ -732,7 +732,7 @@ fn unexplained(fitted: &FittedPhotograph) -> f64 {
 
 impl Nuisances {
     /// Locates the pixels of a bin in the edge profile. `tangents` are those of the curve's orders.
-    fn place(&self, bin: &Bin, tangents: impl Iterator<Item = [f64; 2]>) -> Place {
+    fn place(&self, bin: &Bin, tangents: [[f64; 2]; ORDERS - 1]) -> Place {
         let mut line = [self.place_px, self.turn_rad];
         for (term, [height, slope]) in self.bend_px.iter().zip(tangents) {
             line[0] += term * height;

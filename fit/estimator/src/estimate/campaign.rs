@@ -317,6 +317,7 @@ pub fn undiagnosed(
         bounds: &bounds,
         azimuth_found: azimuth.is_some(),
         is_uneven,
+        is_far: goodness.scale > UNBOUNDED,
     };
     let trusted = doubted.unverified();
     warnings.extend(left_out);
@@ -362,7 +363,8 @@ struct SceneFit {
     sampled: Option<Scene>,
 }
 
-/// Factor on the standard errors above which no bound is computed: the likelihood of a model that
+/// Factor on the standard errors above which no bound is computed, and no effect of what is taken on
+/// trust: the likelihood of a model that
 /// is so far from the photographs says nothing of where a number lies. This is a convention.
 const UNBOUNDED: f64 = 10.0;
 

@@ -114,18 +114,20 @@ impl Bend {
 }
 
 impl Bend {
-    /// Returns the tangents of the orders 2, 3, ... that are used, at a place along the line, for a
-    /// coefficient of 1 pixel each: the height at which the tangent meets the middle of the line,
-    /// pixels, and its slope.
-    pub fn tangents(&self, along_px: f64) -> impl Iterator<Item = [f64; 2]> + Clone + use<> {
+    /// Returns the tangents of the orders 2, 3, ..., at a place along the line, for a coefficient of
+    /// 1 pixel each: the height at which the tangent meets the middle of the line, pixels, and its
+    /// slope. Those of orders that are not used are 0.
+    pub fn tangents(&self, along_px: f64) -> [[f64; 2]; ORDERS - 1] {
         let place = (along_px - self.middle_px) / self.half_px;
         let x = place.clamp(-1.0, 1.0);
         let (values, slopes) = legendre(x);
         let per_px = if x == place { 1.0 / self.half_px } else { 0.0 };
-        let orders = values.into_iter().zip(slopes).take(self.order + 1).skip(2);
-        orders.map(move |(value, slope)| {
-            let slope = slope * per_px;
-            [value - slope * along_px, slope]
+        std::array::from_fn(|i| {
+            if i + 2 > self.order {
+                return [0.0; 2];
+            }
+            let slope = slopes[i + 2] * per_px;
+            [values[i + 2] - slope * along_px, slope]
         })
     }
 }
@@ -220,8 +222,7 @@ mod tests {
             };
             for along in [-80.0, -50.0, 3.0, 41.0] {
                 let (height, slope) = bend.at(along);
-                let tangent = bend.tangents(along).nth(order - 2);
-                let [origin, own] = tangent.expect("one for each order");
+                let [origin, own] = bend.tangents(along)[order - 2];
                 assert!((own - slope).abs() < 1e-14, "{order} {along}");
                 assert!((origin + own * along - height).abs() < 1e-13);
                 cases += 1;

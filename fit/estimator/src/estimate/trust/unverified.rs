@@ -94,8 +94,8 @@ impl UnverifiedInput {
 
 /// Relative changes of the parameters if the number were larger by its step.
 ///
-/// A change is null if the kernel has no such parameter, if the photographs only bound it, or if
-/// the step cannot be computed. Of several values by incidence it is the largest change.
+/// A change is null if the kernel has no such parameter, if the photographs only bound it, if the
+/// step cannot be computed, or if the fit is so poor that it has no bounds either. Of several values by incidence it is the largest change.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Effect {
     /// Change of c.
@@ -141,6 +141,8 @@ pub struct Doubted<'a> {
     /// Whether the light of the photographs is uneven; `None` if this is not known. A step does not
     /// change it.
     pub is_uneven: Option<bool>,
+    /// Whether the estimate is so far from the photographs that no effect is computed.
+    pub is_far: bool,
 }
 
 /// Changes of the coordinates of all parameters, see [`Estimate::coordinates`].
@@ -160,6 +162,7 @@ impl Doubted<'_> {
     pub fn unverified(&self) -> Vec<Unverified> {
         // Samples give another optimum than the closed form, in which the effects are computed.
         let base = match self.best.sampling {
+            _ if self.is_far => None,
             Some(_) => self.found(self.scene, Solve::Fit),
             None => Some(self.best.coordinates()),
         };
@@ -419,6 +422,7 @@ impl Doubts<'_> {
         let Doubted {
             scene, kind, best, ..
         } = *self.doubted;
+        let base = self.base?;
         let mut from = best.optimum();
         let loss = Loss::new(kind, scene, (from.choice, &from.solution.parameters));
         from.choice.further.own_blur = true;
@@ -428,7 +432,7 @@ impl Doubts<'_> {
         let stepped = self.doubted.stepped(scene, &loss, from, Some(column))?;
         let mut found = estimate(scene, &loss, stepped).coordinates();
         found.remove(column);
-        let pairs = found.iter().zip(self.base?);
+        let pairs = found.iter().zip(base);
         Some(pairs.map(|(found, own)| found - own).collect())
     }
 
