@@ -41,6 +41,10 @@ pub(crate) enum Failure {
     #[cfg(feature = "full")]
     #[error(transparent)]
     Pictures(#[from] pictures::Error),
+    /// Failure of a plan.
+    #[cfg(feature = "full")]
+    #[error(transparent)]
+    Plan(#[from] lab::plan::Error),
     /// Failure of the simulation.
     #[cfg(feature = "full")]
     #[error(transparent)]

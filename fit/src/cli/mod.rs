@@ -17,6 +17,8 @@ mod host;
 mod mtf;
 mod options;
 mod output;
+#[cfg(feature = "full")]
+mod plan;
 mod predict;
 mod progress;
 #[cfg(feature = "full")]

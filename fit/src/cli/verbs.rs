@@ -13,7 +13,7 @@ use crate::cli::failure::Failure;
 #[cfg(feature = "full")]
 use crate::cli::render;
 #[cfg(feature = "full")]
-use crate::cli::{compare, export, simulate, study};
+use crate::cli::{compare, export, plan, simulate, study};
 use crate::cli::{estimate, mtf, predict};
 
 /// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from
@@ -54,6 +54,8 @@ enum Verb {
         words: Vec<std::ffi::OsString>,
     },
     #[cfg(feature = "full")]
+    Plan(plan::Arguments),
+    #[cfg(feature = "full")]
     Simulate(simulate::Arguments),
     #[cfg(feature = "full")]
     Study(study::Arguments),
@@ -83,6 +85,8 @@ pub fn main(commit: Option<&str>) -> ExitCode {
         #[cfg(feature = "full")]
         Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Evaluate { .. } => Err(Failure::Evaluate),
+        #[cfg(feature = "full")]
+        Verb::Plan(arguments) => plan::run(&arguments),
         #[cfg(feature = "full")]
         Verb::Simulate(arguments) => simulate::run(&arguments),
         #[cfg(feature = "full")]

@@ -11,10 +11,9 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use num_complex::Complex64;
-use realfft::{RealFftPlanner, RealToComplex};
+use transforms::Real;
 
 use crate::lookup::direction::Direction;
 use crate::otf::hermite::Samples;
@@ -39,16 +38,6 @@ const MOST_IN_A_ROW: usize = 192;
 /// to one on it. A shift is put on four points by Lagrange's cubic, whose error is (TAU kappa
 /// spacing)^4 x 3/128: 1e-7 up to kappa = 4, 4e-5 at the end.
 const POINTS: usize = 1 << 15;
-
-/// Plans of the FFT, made once for all photographs.
-static PLANNER: LazyLock<Mutex<RealFftPlanner<f64>>> =
-    LazyLock::new(|| Mutex::new(RealFftPlanner::new()));
-
-/// Returns the plan for the transform of `length` real numbers.
-fn plan(length: usize) -> Arc<dyn RealToComplex<f64>> {
-    let mut planner = PLANNER.lock().unwrap_or_else(PoisonError::into_inner);
-    planner.plan_fft_forward(length)
-}
 
 /// Spreads a place along a line over four places of an even grid of this spacing.
 ///
@@ -89,7 +78,7 @@ pub(crate) fn spots(
     for &(cell, _) in found.iter().flat_map(|spot| &spot.light) {
         cells.entry(cell).or_insert_with(|| cut.cell(cell, points));
     }
-    let transform = plan(points);
+    let transform = f64::forward(points);
     let boxes = boxes(&ruling, width, along);
     let spot = |spot: &Spot| {
         let mut sums = [vec![0.0; points], vec![0.0; points]];

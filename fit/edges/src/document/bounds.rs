@@ -147,6 +147,15 @@ impl<T: Bounded> Bounded for Option<T> {
     }
 }
 
+/// An array.
+impl<T: Bounded> Bounded for Vec<T> {
+    fn within<'de, D: Deserializer<'de>>(value: D, bounds: Bounds) -> Result<Vec<T>, D::Error> {
+        let all = Vec::<Value>::deserialize(value)?.into_iter();
+        let read = all.map(|one| T::within(one, bounds));
+        read.collect::<Result<_, _>>().map_err(D::Error::custom)
+    }
+}
+
 /// A range `{ from = ..., to = ... }`.
 impl Bounded for [f64; 2] {
     fn within<'de, D: Deserializer<'de>>(value: D, bounds: Bounds) -> Result<Self, D::Error> {

@@ -1,23 +1,4 @@
-//! Fast Fourier transforms of real curves. Plans are made once and shared.
-
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
-
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-
-static PLANNER: LazyLock<Mutex<RealFftPlanner<f64>>> =
-    LazyLock::new(|| Mutex::new(RealFftPlanner::new()));
-
-/// Plans the transform of `length` real numbers to the frequencies 0 to `length` / 2.
-pub(crate) fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
-    let mut planner = PLANNER.lock().unwrap_or_else(PoisonError::into_inner);
-    planner.plan_fft_forward(length)
-}
-
-/// Plans the inverse transform to `length` real numbers. The result is not divided by `length`.
-pub fn inverse(length: usize) -> Arc<dyn ComplexToReal<f64>> {
-    let mut planner = PLANNER.lock().unwrap_or_else(PoisonError::into_inner);
-    planner.plan_fft_inverse(length)
-}
+//! Lengths of fast Fourier transforms, and transforms in closed form.
 
 /// Returns the least length >= `least` that has no prime factor above 5, so that its transform is
 /// fast. From 100 on it is at most 11 % longer than `least` (tested for every length to 5,000).

@@ -11,9 +11,8 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 use num_complex::Complex64;
-use realfft::RealToComplex;
+use transforms::{Real, RealToComplex};
 
-use crate::numerics::fourier;
 use crate::numerics::sinc;
 use crate::photographs::profile::{BIN_PX, Profile};
 
@@ -65,7 +64,7 @@ impl Estimator {
             frequencies_per_mm,
             correction,
             band: band(profile),
-            fourier: fourier::forward(period),
+            fourier: f64::forward(period),
         }
     }
 

@@ -343,6 +343,24 @@ impl<'a> Photograph<'a> {
         self.set_weights(&light);
     }
 
+    /// Returns what a photograph with these places of its pixels would tell: the rows (ln step,
+    /// parameters of the curves) of R, where R^T R is the information with the other nuisances
+    /// projected out. The values of the pixels have no part in it: the edge lies on the line, and
+    /// its dark plateau, its step and the noise are as given, in even light.
+    pub fn foreseen(
+        mut self,
+        curves: &Curves,
+        [dark, step]: [f64; 2],
+        noise: PixelNoise,
+    ) -> DMatrix<f64> {
+        (self.start.dark, self.start.step) = (dark, step);
+        self.with_noise(curves, noise);
+        let own = self.step_column();
+        let factor = self.information(curves, &self.start);
+        let left = factor.ncols() - 1 - own;
+        factor.view((own, own), (left, left)).into_owned()
+    }
+
     fn first_guess(&self, curves: &Curves) -> Nuisances {
         // The line lies at the half level of the photograph. The half level of the model may lie
         // beside the model's own zero.

@@ -4,9 +4,8 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use num_complex::Complex64;
-use realfft::ComplexToReal;
+use transforms::{ComplexToReal, Real};
 
-use edges::numerics::fourier;
 use edges::numerics::sinc;
 use edges::photographs::{BIN_PX, Profile};
 
@@ -36,7 +35,7 @@ impl Grid {
             size,
             bin_mm: BIN_PX * pitch_mm,
             step: step.collect(),
-            inverse: fourier::inverse(size),
+            inverse: f64::inverse(size),
         }
     }
 

@@ -11,7 +11,7 @@ pub mod error;
 pub(crate) mod jpeg;
 mod lobe_edge;
 mod noise;
-mod params;
+pub(crate) mod params;
 pub(crate) mod photograph;
 mod profile;
 mod sheet;
@@ -20,7 +20,7 @@ pub mod write;
 
 pub(crate) use error::Error;
 pub(crate) use noise::PixelNoise;
-pub use params::Params;
 pub(crate) use params::lobe;
-pub(crate) use params::{ByIncidence, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot};
+pub(crate) use params::{ByIncidence, PlantedEdge, PlantedSheet, PlantedShot};
+pub use params::{Params, PlantedCamera};
 pub(crate) use write::run;

@@ -15,6 +15,7 @@ use serde::Serialize;
 use tables::Table;
 
 use crate::simulate::PixelNoise;
+use crate::simulate::error::Error as Unplanted;
 use crate::simulate::photograph as simulate;
 use crate::simulate::{ByIncidence, Params};
 use crate::study::refused;
@@ -152,17 +153,23 @@ pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
 /// # Errors
 /// Fails if an edge is not found or a photograph cannot be used.
 fn silent(params: &Params, table: &Table) -> Result<Scene, Error> {
-    // A plateau without noise looks clipped, so noise of a millionth is added. A ripple of the blur
-    // that no noise hides may look like a second edge, so doubled edges are accepted.
-    let photograph = |params: &Params, index: Option<usize>| {
-        let light = simulate::light(params, index)?.into_iter().enumerate();
-        let photograph = index.map_or(0, |index| index as u64 + 1);
-        let part = |pixel| 1e-6 * PixelNoise::new(0, photograph, pixel as u64).normal();
-        Ok(light.map(|(i, v)| (v + part(i)) as f32).collect())
-    };
+    // A ripple of the blur that no noise hides may look like a second edge, so doubled edges are
+    // accepted.
     let campaign = trial::campaign(params, &[Accepted::Doubled]);
-    let photographs = trial::source(params, photograph);
+    let photographs = trial::source(params, without_noise);
     Scene::of(&campaign, table, &photographs)
+}
+
+/// Takes a photograph of a campaign without noise, or its reference if the index is `None`. A
+/// plateau without noise looks clipped, so noise of a millionth is added.
+///
+/// # Errors
+/// Fails if the truth lacks a value at the photograph's incidence.
+pub(crate) fn without_noise(params: &Params, index: Option<usize>) -> Result<Vec<f32>, Unplanted> {
+    let light = simulate::light(params, index)?.into_iter().enumerate();
+    let photograph = index.map_or(0, |index| index as u64 + 1);
+    let part = |pixel| 1e-6 * PixelNoise::new(0, photograph, pixel as u64).normal();
+    Ok(light.map(|(i, v)| (v + part(i)) as f32).collect())
 }
 
 /// Returns the bounds on c (from above) and a (from below) with the planted values. The bound of a

@@ -28,6 +28,7 @@ mod nominal;
 mod one_sided;
 mod perturbed;
 mod pixels;
+mod plan;
 mod prediction;
 #[cfg(feature = "raw")]
 mod raw;

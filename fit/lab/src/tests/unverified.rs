@@ -215,6 +215,7 @@ fn another_table_shows_what_the_cell_does() {
         bounds: &own.bounds,
         azimuth_found: false,
         is_uneven: None,
+        is_far: false,
     };
     let trusted = doubted.unverified();
     let entry = trusted.last().unwrap();

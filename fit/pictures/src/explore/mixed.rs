@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use estimator::model::Lobe;
 use num_complex::Complex64;
 use rayon::prelude::*;
-use rustfft::FftPlanner;
 use tables::polygon;
+use transforms::Real;
 
 use crate::error::Error;
 use crate::explore::gaps::Patch;
@@ -420,7 +420,7 @@ fn misfit_at(mixed: &Mixed<'_>, place: &Viewpoint, brightest: f64) -> Result<Mis
 
 /// Transforms a spectrum of [`POINTS`] by [`POINTS`] frequencies into weights.
 fn spread_of(mut spectrum: Vec<Complex64>) -> Vec<f64> {
-    let inverse = FftPlanner::new().plan_fft_inverse(POINTS);
+    let inverse = f64::complex_inverse(POINTS);
     for _ in 0..2 {
         spectrum
             .chunks_exact_mut(POINTS)

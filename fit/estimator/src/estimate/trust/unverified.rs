@@ -539,7 +539,8 @@ pub fn in_words(trusted: &[Unverified]) -> Option<String> {
             let of = |effect: &Effect| [effect.c_mm, effect.a_per_mm, effect.mu][k];
             let known = trusted
                 .iter()
-                .filter_map(|entry| Some((entry, of(&entry.effect)?)));
+                .filter_map(|entry| Some((entry, of(&entry.effect)?)))
+                .filter(|(_, share)| *share != 0.0);
             let (entry, share) = known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
             let (what, step, percent) = (entry.what.name(), &entry.step, 100.0 * share);
             Some(format!("{name} {percent:+.2} % by {step} of {what}"))

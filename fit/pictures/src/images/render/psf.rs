@@ -18,8 +18,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
-use rustfft::FftPlanner;
+use transforms::Real;
 
 use crate::error::Error;
 use crate::images::render::camera::Camera;
@@ -211,7 +210,7 @@ fn weights(
         })
         .collect();
     // Inverse transform: columns, then rows.
-    let inverse = FftPlanner::new().plan_fft_inverse(height);
+    let inverse = f64::complex_inverse(height);
     for column in 0..columns {
         let mut line: Vec<Complex64> = rows.iter().map(|row| row[column]).collect();
         inverse.process(&mut line);
@@ -219,7 +218,7 @@ fn weights(
             row[column] = value;
         }
     }
-    let inverse = RealFftPlanner::new().plan_fft_inverse(width);
+    let inverse = f64::inverse(width);
     let scale = 1.0 / (width * height) as f64;
     let mut weights = vec![0.0; width * height];
     for (row, mut half) in rows.into_iter().enumerate() {

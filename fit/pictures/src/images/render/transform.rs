@@ -9,8 +9,7 @@ use std::sync::Arc;
 
 use num_complex::Complex32;
 use rayon::prelude::*;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::{Fft, FftPlanner};
+use transforms::{ComplexToReal, Fft, Real, RealToComplex};
 
 use crate::images::render::psf::Psf;
 use edges::numerics::{smooth, smooth_even};
@@ -43,15 +42,13 @@ impl Convolver {
         // Light that leaves at one end wraps around to the other end, so `reach` dark pixels are
         // enough.
         let period = [smooth_even(size[0] + reach[0]), smooth(size[1] + reach[1])];
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
         Convolver {
             picture: size,
             period,
-            forward: real.plan_fft_forward(period[0]),
-            backward: real.plan_fft_inverse(period[0]),
-            down: complex.plan_fft_forward(period[1]),
-            up: complex.plan_fft_inverse(period[1]),
+            forward: f32::forward(period[0]),
+            backward: f32::inverse(period[0]),
+            down: f32::complex_forward(period[1]),
+            up: f32::complex_inverse(period[1]),
         }
     }
 

@@ -1,0 +1,208 @@
+//! Which photographs to take: the campaign that tells c, a and mu best, before it is taken.
+//!
+//! Beliefs about the sheet, what can be set up, and a table of the cell enter. The photographs that
+//! lower the standard errors most leave, with the errors to expect. The errors are Cramer-Rao bounds
+//! of the pixels, which `fit estimate` reaches. They are averaged over the range of the beliefs, so
+//! the plan holds anywhere in it.
+
+mod exchange;
+mod information;
+mod request;
+
+use serde::Serialize;
+use tables::Table;
+
+use crate::simulate::PlantedCamera;
+use edges::names::Kernel;
+use estimator::result::ResultFile;
+
+use information::Foreseen;
+pub use request::{Beliefs, Choices, Edge, Plan};
+
+/// Photographs beyond the planned ones whose use is computed.
+const FURTHER: usize = 3;
+
+/// A reason why nothing can be planned.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Table or photographs that cannot be used.
+    #[error(transparent)]
+    Estimator(#[from] estimator::Error),
+    /// Choices without light.
+    #[error(
+        "the table returns less than 2 % of the light in every direction of [choices]; name \
+        smaller incidences"
+    )]
+    Dark,
+    /// Result of another kernel than the plan believes.
+    #[error(
+        "--given is a fit of the kernel {}, but the plan believes {}; write it into [beliefs], \
+        or give another result", given.name(), believed.name()
+    )]
+    OtherKernel {
+        /// Kernel of the result.
+        given: Kernel,
+        /// Kernel of the plan.
+        believed: Kernel,
+    },
+    /// Result without a parameter that all incidences share.
+    #[error(
+        "--given determines no parameter that all incidences share, so a plan can take nothing \
+        from it; leave it out, or fit with --shared a,mu"
+    )]
+    NothingShared,
+}
+
+/// A planned campaign.
+#[derive(Debug, Clone, Serialize)]
+pub struct Planned {
+    /// The photographs, in the order of the choices. One that is listed twice is to be taken twice.
+    pub photographs: Vec<Photograph>,
+    /// Errors to expect, for each parameter.
+    pub expected: Vec<Expected>,
+    /// Errors of as many photographs that are spread evenly over the choices.
+    pub even: Vec<Expected>,
+    /// Errors after each of the next best photographs, and which they are.
+    pub further: Vec<Further>,
+    /// Number of photographs that could be taken.
+    pub candidates: usize,
+    /// Choices that were left out because the table returns no light there.
+    pub dark: usize,
+}
+
+/// A photograph to take.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Photograph {
+    /// Floating distance, mm.
+    pub floating_distance_mm: f64,
+    /// Incidence in the air, degrees.
+    pub incidence_deg: f64,
+    /// Azimuth, degrees.
+    pub azimuth_deg: f64,
+    /// Axis across which the edge lies.
+    pub edge: Edge,
+    /// Exposure relative to that of the source edge, which brings the bright side to 0.8 of full
+    /// scale in the middle of the beliefs.
+    pub exposure: f64,
+}
+
+/// Standard error to expect of a parameter, relative to its value.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Expected {
+    /// Name of the parameter in results.
+    pub parameter: &'static str,
+    /// Its error in the middle of the beliefs; null if the photographs do not determine it.
+    pub middle: Option<f64>,
+    /// The largest error at the middle and the ends of the beliefs.
+    pub largest: Option<f64>,
+}
+
+/// What a further photograph would bring.
+#[derive(Debug, Clone, Serialize)]
+pub struct Further {
+    /// The photograph.
+    pub photograph: Photograph,
+    /// Errors with it and those before it.
+    pub expected: Vec<Expected>,
+}
+
+/// Plans a campaign.
+///
+/// The best photographs are found by exchange: one after the other is replaced by the best of all
+/// that could be taken, until none is replaced. The measure is the sum of the variances of the
+/// logarithms that the plan minimises, averaged as a logarithm over the beliefs. `given` is an
+/// earlier result of the sheet, whose information the photographs add to.
+///
+/// # Errors
+/// Returns [`Error::Estimator`] if the table neither holds nor brackets a direction, or has no waves,
+/// [`Error::Dark`] if it returns no light in any, and [`Error::OtherKernel`] or
+/// [`Error::NothingShared`] if nothing follows from `given`.
+pub fn plan(plan: &Plan, table: &Table, given: Option<&ResultFile>) -> Result<Planned, Error> {
+    let foreseen = Foreseen::new(plan, table)?;
+    let known = given.map(|result| foreseen.known(result)).transpose()?;
+    let search = exchange::Search::new(&foreseen, known.as_ref(), &plan.minimise);
+    let mut chosen = search.best(plan.photographs);
+    chosen.sort_unstable();
+    let even = foreseen.even(plan.photographs);
+    let (mut more, mut further) = (chosen.clone(), Vec::new());
+    for _ in 0..FURTHER {
+        more.push(search.next(&more));
+        let photograph = foreseen.photograph(more[more.len() - 1]);
+        let expected = foreseen.expected(&more, known.as_ref());
+        further.push(Further {
+            photograph,
+            expected,
+        });
+    }
+    Ok(Planned {
+        expected: foreseen.expected(&chosen, known.as_ref()),
+        photographs: chosen.iter().map(|&i| foreseen.photograph(i)).collect(),
+        even: foreseen.expected(&even, known.as_ref()),
+        further,
+        candidates: foreseen.candidates.len(),
+        dark: foreseen.dark,
+    })
+}
+
+impl Planned {
+    /// Returns the manifest to fill in: with the names of the photographs to come, and their
+    /// exposures as they should be.
+    pub fn manifest(&self, camera: &PlantedCamera) -> String {
+        let mut text = format!(
+            "# Planned by fit plan. Take these photographs under the names below, and write the\n\
+            # exposures that you used: they count relative to that of the source.\n\n\
+            [setup]\npixel_pitch_mm = {}\nseen_in_mirror = {}\nhalf_mirror_transmittance = {}\n\
+            half_mirror_reflectance = {}\n\n[reference]\nimage = \"source.tif\"\nexposure = 1\n",
+            camera.pixel_pitch_mm,
+            camera.seen_in_mirror,
+            camera.half_mirror_transmittance,
+            camera.half_mirror_reflectance
+        );
+        for (number, own) in (1..).zip(&self.photographs) {
+            text += &format!(
+                "\n# The edge runs across the {} axis, turned by some 5 degrees.\n[[capture]]\n\
+                image = \"aerial_{number:02}.tif\"\nfloating_distance_mm = {}\nincidence_deg = {}\n\
+                azimuth_deg = {}\nexposure = {}\n",
+                own.edge.name(),
+                own.floating_distance_mm,
+                own.incidence_deg,
+                own.azimuth_deg,
+                rounded(own.exposure)
+            );
+        }
+        text
+    }
+}
+
+/// Plans a campaign and tries every choice of as many photographs too: returns the measure of the
+/// exchange and the least of all.
+#[cfg(test)]
+pub(crate) fn exhaustive(plan: &Plan, table: &Table) -> Result<(f64, f64), Error> {
+    let foreseen = Foreseen::new(plan, table)?;
+    let search = exchange::Search::new(&foreseen, None, &plan.minimise);
+    let (mut least, n) = (f64::INFINITY, foreseen.candidates.len());
+    let mut choice = vec![0; plan.photographs];
+    loop {
+        least = least.min(search.of(&choice));
+        let Some(i) = (0..choice.len()).rev().find(|&i| choice[i] + 1 < n) else {
+            break;
+        };
+        let next = choice[i] + 1;
+        choice[i..].fill(next);
+    }
+    Ok((search.of(&search.best(plan.photographs)), least))
+}
+
+/// Returns as many photographs as a plan asks for, spread evenly over its choices.
+#[cfg(test)]
+pub(crate) fn evenly(plan: &Plan, table: &Table) -> Result<Vec<Photograph>, Error> {
+    let foreseen = Foreseen::new(plan, table)?;
+    let even = foreseen.even(plan.photographs).into_iter();
+    Ok(even.map(|i| foreseen.photograph(i)).collect())
+}
+
+/// Returns a number with three digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,240 @@
+//! What is asked of a plan: a TOML file with beliefs and choices.
+
+use std::path::Path;
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::simulate::params::lobe;
+use crate::simulate::{Error, PlantedCamera};
+use edges::document::{Bounds, Document, Table, table};
+use edges::document::{choice, choices, incidence, positive, share, spectrum, turn};
+use edges::names::{Kernel, LobeShape, ParameterKind, Spectrum};
+use edges::readers;
+
+readers! {
+    count = Bounds::new("between 1 and 200", |x| (1.0..=200.0).contains(&x));
+}
+
+/// A plan that is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Number of photographs of the mid-air edge. The source edge is photographed once more.
+    pub photographs: usize,
+    /// Parameters whose variances are minimised together.
+    pub minimise: Vec<ParameterKind>,
+    /// What is believed of the sheet.
+    pub beliefs: Beliefs,
+    /// What can be set up.
+    pub choices: Choices,
+    /// Camera, half mirror and source.
+    pub camera: PlantedCamera,
+}
+
+/// What is believed of a sheet: a kernel, and the ends of the range of each number.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Beliefs {
+    /// Kernel.
+    #[serde(deserialize_with = "kernel")]
+    pub kernel: Kernel,
+    /// Shape of the lobe.
+    #[serde(default, deserialize_with = "lobe")]
+    pub lobe: LobeShape,
+    /// Corner size, mm.
+    #[serde(default, deserialize_with = "positive")]
+    pub c_mm: Option<[f64; 2]>,
+    /// Diffraction spread a, 1/mm.
+    #[serde(default, deserialize_with = "positive")]
+    pub a_per_mm: Option<[f64; 2]>,
+    /// Spread A = a R of the kernel `angular`.
+    #[serde(default, deserialize_with = "positive")]
+    pub a_times_r: Option<[f64; 2]>,
+    /// Reflectance.
+    #[serde(deserialize_with = "share")]
+    pub mu: [f64; 2],
+    /// Wavelengths of the source, for the kernel `wave`.
+    #[serde(default, rename = "wavelength_nm", deserialize_with = "spectrum")]
+    pub spectrum: Option<Spectrum>,
+}
+
+/// What can be set up. Every combination can be photographed.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Choices {
+    /// Floating distances, mm.
+    #[serde(deserialize_with = "positive")]
+    pub floating_distance_mm: Vec<f64>,
+    /// Incidences in the air, degrees.
+    #[serde(deserialize_with = "incidence")]
+    pub incidence_deg: Vec<f64>,
+    /// Azimuths, degrees.
+    #[serde(deserialize_with = "turn")]
+    pub azimuth_deg: Vec<f64>,
+    /// Edges.
+    #[serde(default = "both", deserialize_with = "edges")]
+    pub edge: Vec<Edge>,
+}
+
+/// Axis across which the edge of a photograph lies: that along which its blur is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Edge {
+    /// Across the tangential axis.
+    Tangential,
+    /// Across the sagittal axis.
+    Sagittal,
+}
+
+impl Edge {
+    const NAMES: [&str; 2] = ["tangential", "sagittal"];
+
+    /// Returns the name in files.
+    pub const fn name(self) -> &'static str {
+        Edge::NAMES[self as usize]
+    }
+
+    fn from_name(name: &str) -> Option<Edge> {
+        let all = [Edge::Tangential, Edge::Sagittal];
+        all.into_iter().find(|edge| edge.name() == name)
+    }
+}
+
+impl Plan {
+    /// Reads and checks a plan.
+    ///
+    /// # Errors
+    /// Returns the first fault of the file with its line: an unknown or missing key, a number out of
+    /// range, an empty list, or a parameter to minimise that the kernel does not have.
+    pub fn load(file: &Path) -> Result<Plan, Error> {
+        let document = Document::read(file)?;
+        let asked: Asked = document.parse()?;
+        let (part, Table(beliefs)) = (asked.beliefs.span(), asked.beliefs.into_inner());
+        let spread = ParameterKind::spread_of(beliefs.kernel);
+        let needed = [
+            (beliefs.kernel.has_c() && beliefs.c_mm.is_none(), "c_mm"),
+            (beliefs.spread().is_none(), spread.name()),
+            (
+                beliefs.kernel.has_waves() && beliefs.spectrum.is_none(),
+                "wavelength_nm",
+            ),
+        ];
+        if let Some((_, key)) = needed.into_iter().find(|&(is_missing, _)| is_missing) {
+            return Err(document.missing(part, key, "[beliefs]").into());
+        }
+        let (part, Table(choices)) = (asked.choices.span(), asked.choices.into_inner());
+        let lengths = [
+            ("floating_distance_mm", choices.floating_distance_mm.len()),
+            ("incidence_deg", choices.incidence_deg.len()),
+            ("azimuth_deg", choices.azimuth_deg.len()),
+            ("edge", choices.edge.len()),
+        ];
+        if let Some((key, _)) = lengths.into_iter().find(|&(_, length)| length == 0) {
+            let why = format!("`{key}` is empty; name at least one");
+            return Err(document.place(part).error(why).into());
+        }
+        let possible = beliefs.parameters();
+        let minimise = asked.minimise.unwrap_or_else(|| possible.clone());
+        if let Some(absent) = minimise.iter().find(|kind| !possible.contains(kind)) {
+            let names: Vec<&str> = possible.iter().map(|kind| kind.name()).collect();
+            let why = format!(
+                "`minimise` names {}, which the kernel {} does not have; choose of {}",
+                absent.name(),
+                beliefs.kernel.name(),
+                names.join(", ")
+            );
+            return Err(document.error(why).into());
+        }
+        Ok(Plan {
+            photographs: asked.photographs,
+            minimise,
+            beliefs,
+            choices,
+            camera: asked.camera,
+        })
+    }
+}
+
+impl Beliefs {
+    /// Returns the parameters of the kernel, in the order of an estimate.
+    pub(crate) fn parameters(&self) -> Vec<ParameterKind> {
+        let c = self.kernel.has_c().then_some(ParameterKind::CornerSize);
+        let spread = self.kernel.has_lobe();
+        let spread = spread.then(|| ParameterKind::spread_of(self.kernel));
+        let all = c.into_iter().chain(spread);
+        all.chain(std::iter::once(ParameterKind::Mu)).collect()
+    }
+
+    /// Returns the range of the spread, or one of no meaning if the kernel has no lobe.
+    fn spread(&self) -> Option<[f64; 2]> {
+        if !self.kernel.has_lobe() {
+            return Some([1.0; 2]);
+        }
+        match ParameterKind::spread_of(self.kernel) {
+            ParameterKind::ATimesR => self.a_times_r,
+            _ => self.a_per_mm,
+        }
+    }
+
+    /// Returns the logarithms of c and of the spread, as far as the kernel has them: in the middle
+    /// of the beliefs, then at their ends in all combinations.
+    pub(crate) fn points(&self) -> Vec<Vec<f64>> {
+        let c = self.c_mm.filter(|_| self.kernel.has_c());
+        let spread = self.spread().filter(|_| self.kernel.has_lobe());
+        let ranges: Vec<[f64; 2]> = c.into_iter().chain(spread).collect();
+        let middle = |range: &[f64; 2]| 0.5 * (range[0].ln() + range[1].ln());
+        let mut points = vec![ranges.iter().map(middle).collect()];
+        for corner in 0..1 << ranges.len() {
+            let ends = ranges.iter().enumerate();
+            let point: Vec<f64> = ends
+                .map(|(i, range)| range[(corner >> i) & 1].ln())
+                .collect();
+            if !points.contains(&point) {
+                points.push(point);
+            }
+        }
+        points
+    }
+}
+
+/// A plan as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Asked {
+    #[serde(deserialize_with = "count")]
+    photographs: usize,
+    #[serde(default, deserialize_with = "parameters")]
+    minimise: Option<Vec<ParameterKind>>,
+    beliefs: toml::Spanned<Table<Beliefs>>,
+    choices: toml::Spanned<Table<Choices>>,
+    #[serde(default, deserialize_with = "table")]
+    camera: PlantedCamera,
+}
+
+fn both() -> Vec<Edge> {
+    vec![Edge::Tangential, Edge::Sagittal]
+}
+
+fn edges<'de, D: Deserializer<'de>>(value: D) -> Result<Vec<Edge>, D::Error> {
+    choices(value, &Edge::NAMES, Edge::from_name)
+}
+
+fn kernel<'de, D: Deserializer<'de>>(value: D) -> Result<Kernel, D::Error> {
+    choice(value, &Kernel::NAMES, Kernel::from_name)
+}
+
+fn parameters<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Vec<ParameterKind>>, D::Error> {
+    let names = PLANNED.map(ParameterKind::name);
+    choices(value, &names, planned).map(Some)
+}
+
+/// Parameters that a plan may minimise.
+const PLANNED: [ParameterKind; 4] = [
+    ParameterKind::CornerSize,
+    ParameterKind::APerMm,
+    ParameterKind::ATimesR,
+    ParameterKind::Mu,
+];
+
+fn planned(name: &str) -> Option<ParameterKind> {
+    PLANNED.into_iter().find(|kind| kind.name() == name)
+}

@@ -1,0 +1,156 @@
+//! `fit plan`: says which photographs to take.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use tables::cli as terminal;
+
+use tables::Outputs;
+
+use crate::cli::estimate::read_channel;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use lab::plan::{Expected, Plan, Planned, plan};
+
+/// Says which photographs tell a sheet's c, a and mu best, and what errors to expect.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+The errors are those that `fit estimate` reaches on photographs that follow the
+model. The plan lowers them over the whole range of what you believe.
+
+Example (PLAN.toml):
+  photographs = 8                    # without that of the source edge
+  minimise = [\"c_mm\", \"mu\"]          # if left out, all that the kernel has
+  [beliefs]
+  kernel = \"eq1\"
+  c_mm = { from = 0.15, to = 0.3 }
+  a_per_mm = { from = 2, to = 5 }    # a_times_r under the kernel angular
+  mu = { from = 0.3, to = 0.6 }
+  [choices]                          # every combination can be photographed
+  floating_distance_mm = [100, 200, 400]
+  incidence_deg = [0, 10, 20, 30]
+  azimuth_deg = [30]
+  edge = [\"tangential\", \"sagittal\"]  # may be left out
+
+[beliefs] may hold lobe, and wavelength_nm for the kernel wave. [camera] takes
+the keys of `fit simulate` for camera, noise, source and half mirror.
+
+  fit plan plan.toml --table pair.h5 -o captures.toml
+  fit plan plan.toml --table pair.h5 --given result.json
+
+The manifest names the photographs to take; the second line says what more of
+them would add to a result.
+
+Words and formulas: fit/doc/model.md")]
+pub(crate) struct Arguments {
+    /// Beliefs and choices, as TOML.
+    #[arg(value_name = "PLAN.toml")]
+    pub plan: PathBuf,
+    /// Table of the cell, with the directions of [choices].
+    #[arg(long, value_name = "TABLE.h5")]
+    pub table: PathBuf,
+    /// Result of earlier photographs of the sheet, to which the planned ones add.
+    ///
+    /// Of a parameter with one value per incidence nothing is taken.
+    #[arg(long, value_name = "RESULT.json")]
+    pub given: Option<PathBuf>,
+    /// File that receives the manifest to fill in.
+    #[arg(short, long, value_name = "CAPTURES.toml")]
+    pub output: Option<PathBuf>,
+    /// Prints the plan as one JSON object.
+    #[arg(long)]
+    pub json: bool,
+    /// Number of threads; one per core if left out.
+    #[arg(long, value_name = "N", value_parser = terminal::whole::<NonZeroUsize>(1..))]
+    pub threads: Option<NonZeroUsize>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Fails if the plan, the table or the result cannot be used, if the table lacks a direction, or if
+/// the manifest cannot be written.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let inputs = [&arguments.plan, &arguments.table].into_iter();
+    let inputs = inputs.chain(&arguments.given).map(PathBuf::as_path);
+    let mut outputs = Outputs::beside(inputs);
+    let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
+    let asked = Plan::load(&arguments.plan)?;
+    let table = tables::read(&arguments.table)?;
+    let given = arguments.given.as_deref();
+    let given = given.map(|file| read_channel(file, None)).transpose()?;
+    let pool = terminal::pool(arguments.threads)?;
+    let planned = pool.install(|| plan(&asked, &table, given.as_ref()))?;
+    if arguments.output.is_some() {
+        terminal::deliver(&planned.manifest(&asked.camera), output)?;
+    }
+    Ok(terminal::print(&if arguments.json {
+        output::json(&planned)
+    } else {
+        text(&planned)
+    })?)
+}
+
+/// Returns the plan for a reader.
+fn text(planned: &Planned) -> String {
+    let Planned {
+        photographs,
+        candidates,
+        dark,
+        ..
+    } = planned;
+    let mut text = format!(
+        "{} of {candidates} photographs that could be taken",
+        photographs.len()
+    );
+    if *dark > 0 {
+        text += &format!(" ({dark} more return no light)");
+    }
+    text += "\n  no.  distance (mm)  incidence  azimuth  edge across  exposure\n";
+    for (number, own) in (1..).zip(photographs) {
+        text += &format!(
+            "{number:>5}{:>15}{:>10}°{:>8}°  {:<11}{:>10.3}\n",
+            own.floating_distance_mm,
+            own.incidence_deg,
+            own.azimuth_deg,
+            own.edge.name(),
+            own.exposure
+        );
+    }
+    text += "\nexpected standard errors   middle   largest   as many, spread evenly\n";
+    for (own, even) in planned.expected.iter().zip(&planned.even) {
+        text += &format!(
+            "{:<25}{:>9}{:>10}{:>12}{:>10}\n",
+            own.parameter,
+            percent(own.middle),
+            percent(own.largest),
+            percent(even.middle),
+            percent(even.largest)
+        );
+    }
+    text += "\nwith further photographs:\n";
+    for (number, further) in (photographs.len() + 1..).zip(&planned.further) {
+        let own = &further.photograph;
+        let errors: Vec<String> = further.expected.iter().map(middle).collect();
+        text += &format!(
+            "{number:>5}{:>15}{:>10}°{:>8}°  {:<11}  {}\n",
+            own.floating_distance_mm,
+            own.incidence_deg,
+            own.azimuth_deg,
+            own.edge.name(),
+            errors.join(", ")
+        );
+    }
+    text
+}
+
+fn middle(own: &Expected) -> String {
+    format!("{} {}", own.parameter, percent(own.middle))
+}
+
+/// Returns a relative error in percent.
+fn percent(share: Option<f64>) -> String {
+    share.map_or_else(
+        || "unknown".into(),
+        |share| format!("{:.3} %", 100.0 * share),
+    )
+}
