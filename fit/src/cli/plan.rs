@@ -31,8 +31,10 @@ Example (PLAN.toml):
   azimuth_deg = [30]
   edge = [\"tangential\", \"sagittal\"]  # may be left out
 
-[beliefs] may hold lobe, and wavelength_nm for the kernel wave. [camera] takes
-the keys of `fit simulate` for camera, noise, source and half mirror.
+a and mu have one value per incidence, as in real sheets; per_angle = [] in
+[beliefs] lets all incidences share them. [beliefs] may hold lobe, and
+wavelength_nm for the kernel wave. Each combination is photographed once, or up
+to `repeat` times of [choices]. [camera] takes the keys of `fit simulate`.
 
   fit plan plan.toml --table pair.h5 -o captures.toml
   fit plan plan.toml --table pair.h5 --given result.json
@@ -120,7 +122,7 @@ fn text(planned: &Planned) -> String {
     for (own, even) in planned.expected.iter().zip(&planned.even) {
         text += &format!(
             "{:<25}{:>9}{:>10}{:>12}{:>10}\n",
-            own.parameter,
+            own.parameter.to_string(),
             percent(own.middle),
             percent(own.largest),
             percent(even.middle),
@@ -130,21 +132,27 @@ fn text(planned: &Planned) -> String {
     text += "\nwith further photographs:\n";
     for (number, further) in (photographs.len() + 1..).zip(&planned.further) {
         let own = &further.photograph;
-        let errors: Vec<String> = further.expected.iter().map(middle).collect();
         text += &format!(
             "{number:>5}{:>15}{:>10}°{:>8}°  {:<11}  {}\n",
             own.floating_distance_mm,
             own.incidence_deg,
             own.azimuth_deg,
             own.edge.name(),
-            errors.join(", ")
+            by_kind(&further.expected)
         );
     }
     text
 }
 
-fn middle(own: &Expected) -> String {
-    format!("{} {}", own.parameter, percent(own.middle))
+/// Returns the errors of each kind of parameter, as the root of the mean square.
+fn by_kind(expected: &[Expected]) -> String {
+    let kinds = expected.chunk_by(|a, b| a.parameter.kind == b.parameter.kind);
+    let all = kinds.map(|own| {
+        let squares: Option<f64> = own.iter().map(|own| own.middle.map(|v| v * v)).sum();
+        let error = squares.map(|sum| (sum / own.len() as f64).sqrt());
+        format!("{} {}", own[0].parameter.kind.name(), percent(error))
+    });
+    all.collect::<Vec<String>>().join(", ")
 }
 
 /// Returns a relative error in percent.

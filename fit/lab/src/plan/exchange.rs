@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::plan::information::{Foreseen, Information};
+use crate::plan::request::Plan;
 use edges::names::ParameterKind;
 
 /// Information on every unknown before a photograph is taken, so that the first ones can be
@@ -20,9 +21,12 @@ const LEAST_GAIN: f64 = 1e-9;
 pub(crate) struct Search<'a> {
     foreseen: &'a Foreseen<'a>,
     before: Information,
-    /// Indices of the parameters whose variances count.
-    blur: Vec<usize>,
-    counts_mu: bool,
+    /// How often a candidate may be taken.
+    repeat: usize,
+    /// Places of the parameters whose variances count, with their weights: in the information on the
+    /// blur, and of mu in that on all.
+    blur: Vec<(usize, f64)>,
+    mu: Vec<(usize, f64)>,
 }
 
 impl Search<'_> {
@@ -30,7 +34,7 @@ impl Search<'_> {
     pub(crate) fn new<'a>(
         foreseen: &'a Foreseen<'a>,
         known: Option<&Information>,
-        minimise: &[ParameterKind],
+        plan: &Plan,
     ) -> Search<'a> {
         let mut before = foreseen.before(known);
         for normal in [&mut before.blur, &mut before.whole] {
@@ -38,13 +42,22 @@ impl Search<'_> {
                 normal[(i, i)] += VAGUE;
             }
         }
-        let blur = foreseen.parameters.iter().enumerate();
-        let blur = blur.filter(|&(_, kind)| *kind != ParameterKind::Mu && minimise.contains(kind));
+        let weighed = |kind: &ParameterKind| {
+            let places = foreseen.places(*kind);
+            let weight = 1.0 / places.len() as f64;
+            places.into_iter().map(move |place| (place, weight))
+        };
+        let is_mu = |kind: &&ParameterKind| **kind == ParameterKind::Mu;
+        let kinds = || plan.minimise.iter();
         Search {
             foreseen,
             before,
-            blur: blur.map(|(i, _)| i).collect(),
-            counts_mu: minimise.contains(&ParameterKind::Mu),
+            repeat: plan.choices.repeat,
+            blur: kinds()
+                .filter(|kind| !is_mu(kind))
+                .flat_map(weighed)
+                .collect(),
+            mu: kinds().filter(is_mu).flat_map(weighed).collect(),
         }
     }
 
@@ -63,7 +76,8 @@ impl Search<'_> {
                 for (point, sum) in sums.iter_mut().enumerate() {
                     sum.take(self.foreseen.tells(chosen[i], point));
                 }
-                let (other, after) = self.best_beside(&sums);
+                let others = [&chosen[..i], &chosen[i + 1..]].concat();
+                let (other, after) = self.best_beside(&sums, &others);
                 if after < before - LEAST_GAIN {
                     chosen[i] = other;
                     moved = true;
@@ -78,7 +92,7 @@ impl Search<'_> {
 
     /// Returns the candidate that is best taken beside these.
     pub(crate) fn next(&self, chosen: &[usize]) -> usize {
-        self.best_beside(&self.sums(chosen)).0
+        self.best_beside(&self.sums(chosen), chosen).0
     }
 
     /// Returns the measure of a choice.
@@ -99,10 +113,12 @@ impl Search<'_> {
         (0..self.foreseen.points()).map(at).collect()
     }
 
-    /// Returns the candidate that is best added to `sums`, the first among equals, and the measure
-    /// with it.
-    fn best_beside(&self, sums: &[Information]) -> (usize, f64) {
+    /// Returns the candidate that is best added to `chosen`, whose information is `sums`, the first
+    /// among equals, and the measure with it.
+    fn best_beside(&self, sums: &[Information], chosen: &[usize]) -> (usize, f64) {
+        let taken = |i: &usize| chosen.iter().filter(|&own| own == i).count();
         let all = (0..self.foreseen.candidates.len()).into_par_iter();
+        let all = all.filter(|i| taken(i) < self.repeat);
         let measured = all.map(|i| (i, self.measure(sums, Some(i))));
         let best = measured.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         best.unwrap_or((0, f64::INFINITY))
@@ -118,15 +134,16 @@ impl Search<'_> {
                 None => own.clone(),
             };
             let mut variance = 0.0;
-            if !self.blur.is_empty() {
-                let normal = with(&sum.blur, tells.map(|own| &own.blur));
+            let mut count = |normal: DMatrix<f64>, places: &[(usize, f64)]| {
                 let inverse = inverted(normal);
-                variance += self.blur.iter().map(|&i| inverse[(i, i)]).sum::<f64>();
+                let own = places.iter().map(|&(i, weight)| weight * inverse[(i, i)]);
+                variance += own.sum::<f64>();
+            };
+            if !self.blur.is_empty() {
+                count(with(&sum.blur, tells.map(|own| &own.blur)), &self.blur);
             }
-            if self.counts_mu {
-                let inverse = inverted(with(&sum.whole, tells.map(|own| &own.whole)));
-                let mu = inverse.nrows() - 2;
-                variance += inverse[(mu, mu)];
+            if !self.mu.is_empty() {
+                count(with(&sum.whole, tells.map(|own| &own.whole)), &self.mu);
             }
             variance.ln()
         });

@@ -1,16 +1,18 @@
 //! What each photograph that could be taken would tell, at each point of the beliefs.
 
-use nalgebra::DMatrix;
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use tables::Table;
 
 #[cfg(test)]
 use crate::plan::request::Beliefs;
-use crate::plan::request::{Choices, Edge, Plan};
+use crate::plan::request::{Choices, Edge, Own, Plan};
 use crate::plan::{Error, Expected, Photograph};
 use crate::simulate::{ByIncidence, Params, PlantedEdge, PlantedSheet, PlantedShot, cell};
 use crate::study::{choice, trial};
-use edges::names::{Kernel, ParameterKind};
+use edges::names::{Kernel, ParameterId, ParameterKind};
 use edges::photographs::edge::fault::Accepted;
 use estimator::compare::Photograph as Pixels;
 use estimator::estimate::{Aerial, Choice, Conditions, Layout, Scene, model};
@@ -43,7 +45,7 @@ pub(crate) struct Candidate {
     tells: Vec<Information>,
 }
 
-/// Information on the logarithms of c and spread, on the lens, and on ln mu and the step of the
+/// Information on the logarithms of c and the spreads, on the lens, and on ln mu and the step of the
 /// source edge.
 ///
 /// Each photograph has plateaus of its own, as in the estimate: so blur and lens are told without
@@ -52,16 +54,25 @@ pub(crate) struct Candidate {
 pub(crate) struct Information {
     /// Of the blur's parameters and the lens.
     pub blur: DMatrix<f64>,
-    /// Of all, in the order blur, lens, ln mu, ln step.
+    /// Of all, in the order blur, lens, ln mu (one or more), ln step.
     pub whole: DMatrix<f64>,
+}
+
+/// Places of the unknowns.
+#[derive(Debug, Clone, Copy)]
+struct Unknowns {
+    /// Number of those of blur and lens.
+    blur: usize,
+    /// Number of mu.
+    mu: usize,
 }
 
 impl Information {
     /// Creates the information of nothing.
-    fn none(blur: usize) -> Information {
+    fn none(Unknowns { blur, mu }: Unknowns) -> Information {
         Information {
             blur: DMatrix::zeros(blur, blur),
-            whole: DMatrix::zeros(blur + 2, blur + 2),
+            whole: DMatrix::zeros(blur + mu + 1, blur + mu + 1),
         }
     }
 
@@ -78,9 +89,14 @@ impl Information {
     }
 
     /// Makes it from rows (ln step, derivatives by blur and lens), whose derivatives belong to
-    /// `columns`. `has_sheet` says if the step depends on mu.
-    fn of(rows: &DMatrix<f64>, columns: &[usize], blur: usize, has_sheet: bool) -> Information {
-        let width = blur + 2;
+    /// `columns`. The step depends on that mu, if on any.
+    fn of(
+        rows: &DMatrix<f64>,
+        columns: &[usize],
+        Unknowns { blur, mu: several }: Unknowns,
+        mu: Option<usize>,
+    ) -> Information {
+        let width = blur + several + 1;
         let mut tied = DMatrix::zeros(rows.nrows(), width);
         for (k, &column) in columns.iter().enumerate() {
             tied.set_column(column, &rows.column(k + 1));
@@ -88,8 +104,8 @@ impl Information {
         // Without the row of the step, the others tell blur and lens alone.
         let free = tied.view((1, 0), (rows.nrows() - 1, blur)).into_owned();
         tied.set_column(width - 1, &rows.column(0));
-        if has_sheet {
-            tied.set_column(width - 2, &rows.column(0));
+        if let Some(mu) = mu {
+            tied.set_column(blur + mu, &rows.column(0));
         }
         Information {
             blur: free.tr_mul(&free),
@@ -101,8 +117,9 @@ impl Information {
 /// Everything that could be photographed, with what it would tell.
 pub(crate) struct Foreseen<'a> {
     plan: &'a Plan,
-    /// Parameters of the kernel, and mu.
-    pub parameters: Vec<ParameterKind>,
+    /// Parameters of the blur, then mu.
+    pub parameters: Vec<ParameterId>,
+    unknowns: Unknowns,
     /// Photographs that could be taken, in the order of the choices.
     pub candidates: Vec<Candidate>,
     /// Number of choices without light.
@@ -136,19 +153,46 @@ impl<'a> Foreseen<'a> {
             return Err(Error::Dark);
         };
         let pattern = pattern(plan, table, [first, turned])?;
+        let mut angles: Vec<f64> = directions
+            .iter()
+            .map(|&(incidence, ..)| incidence)
+            .collect();
+        angles.sort_by(f64::total_cmp);
+        angles.dedup();
+        let own = |own: Own| plan.beliefs.per_angle.contains(&own) && angles.len() > 1;
         let choice = Choice {
             kernel: plan.beliefs.kernel,
             shape: plan.beliefs.lobe,
-            per_angle_a: false,
-            per_angle_mu: false,
+            per_angle_a: own(Own::A),
+            per_angle_mu: own(Own::Mu),
             further: Further::NONE,
         };
-        let lens = planted_camera(&pattern, plan);
+        let camera = planted_camera(&pattern, plan);
+        let layout = Layout::new(choice, angles.len());
+        let unknowns = Unknowns {
+            blur: layout.parameters() + pattern.optics.free.len(),
+            mu: if own(Own::Mu) { angles.len() } else { 1 },
+        };
+        let ids = plan.beliefs.parameters().into_iter().flat_map(|kind| {
+            let is_own = match kind {
+                ParameterKind::CornerSize => false,
+                ParameterKind::Mu => own(Own::Mu),
+                _ => own(Own::A),
+            };
+            let at = |&angle: &f64| kind.at(angle);
+            match is_own {
+                true => angles.iter().map(at).collect(),
+                false => vec![kind.shared()],
+            }
+        });
+        let parameters = ids.collect();
         let seen = Seen {
             plan,
             pattern: &pattern,
-            camera: &lens,
-            choice,
+            camera: &camera,
+            layout,
+            unknowns,
+            angles: &angles,
             points: plan.beliefs.points(),
         };
         let places: Vec<(f64, (f64, f64, f64))> = floating_distance_mm
@@ -161,7 +205,8 @@ impl<'a> Foreseen<'a> {
         let found: Vec<Vec<Candidate>> = found.collect::<Result<_, Error>>()?;
         Ok(Foreseen {
             plan,
-            parameters: plan.beliefs.parameters(),
+            parameters,
+            unknowns,
             candidates: found.into_iter().flatten().collect(),
             dark,
             source: seen.source(),
@@ -204,13 +249,13 @@ impl<'a> Foreseen<'a> {
 
     /// Returns `count` candidates that are spread evenly over the choices, with the edges in turn.
     pub(crate) fn even(&self, count: usize) -> Vec<usize> {
-        let edges = &self.plan.choices.edge;
-        let places = self.candidates.len() / edges.len();
+        let edges = self.plan.choices.edge.len();
+        let places = self.candidates.len() / edges;
+        // Each edge at as many places, as far from each other as they can be.
         let all = (0..count).map(|k| {
-            // The golden ratio spreads any number of places over a line.
-            let share = ((k / edges.len()) as f64 + 0.5) * 0.618_033_988_749_894_8;
-            let place = (share.fract() * places as f64) as usize;
-            place * edges.len() + k % edges.len()
+            let of_edge = count / edges + usize::from(k % edges < count % edges);
+            let share = ((k / edges) as f64 + 0.5) / of_edge as f64;
+            (share * places as f64) as usize * edges + k % edges
         });
         all.collect()
     }
@@ -232,7 +277,7 @@ impl<'a> Foreseen<'a> {
             .map(|(i, &parameter)| {
                 let largest = errors.iter().map(|own| own[i]).fold(0.0, f64::max);
                 Expected {
-                    parameter: parameter.name(),
+                    parameter,
                     middle: finite(errors[0][i]),
                     largest: finite(largest),
                 }
@@ -242,14 +287,31 @@ impl<'a> Foreseen<'a> {
 
     /// Returns the relative errors of all parameters under some information.
     fn errors(&self, all: &Information) -> Vec<f64> {
-        let count = self.parameters.len() - 1;
-        let mut errors = deviations(&all.blur, count);
-        let mu = all.whole.nrows() - 2;
-        errors.push(deviations(&all.whole, mu + 1)[mu]);
+        let Unknowns { blur, mu } = self.unknowns;
+        let mut errors = deviations(&all.blur, 0..self.parameters.len() - mu);
+        errors.extend(deviations(&all.whole, blur..blur + mu));
         errors
     }
 
-    /// Returns the information of an earlier result on the parameters that all incidences share.
+    /// Returns the places of the parameters of a kind: in the information on the blur, or in that on
+    /// all for mu.
+    pub(crate) fn places(&self, kind: ParameterKind) -> Vec<usize> {
+        let all = (0..self.parameters.len()).filter(|&i| self.parameters[i].kind == kind);
+        all.map(|i| self.place(i)).collect()
+    }
+
+    /// Returns the place of a parameter.
+    fn place(&self, parameter: usize) -> usize {
+        let Unknowns { blur, mu } = self.unknowns;
+        let first = self.parameters.len() - mu;
+        if parameter < first {
+            parameter
+        } else {
+            blur + parameter - first
+        }
+    }
+
+    /// Returns the information of an earlier result on the parameters of the plan.
     pub(crate) fn known(&self, result: &ResultFile) -> Result<Information, Error> {
         let kernel = self.plan.beliefs.kernel;
         if result.kernel != kernel {
@@ -258,11 +320,9 @@ impl<'a> Foreseen<'a> {
                 believed: kernel,
             });
         }
-        let values = self.parameters.iter().enumerate().filter_map(|(i, kind)| {
-            let row = result.covariance.names.iter();
-            let row = row.clone().position(|id| *id == kind.shared())?;
-            let value = shared(result, *kind)?;
-            Some((i, row, value))
+        let values = self.parameters.iter().enumerate().filter_map(|(i, id)| {
+            let row = result.covariance.names.iter().position(|own| own == id)?;
+            Some((i, row, value(result, id)?))
         });
         let values: Vec<(usize, usize, f64)> = values.collect();
         let covariance = DMatrix::from_fn(values.len(), values.len(), |i, j| {
@@ -272,20 +332,27 @@ impl<'a> Foreseen<'a> {
             entry.map_or(f64::NAN, |entry| entry / (a * b))
         });
         let inverse = covariance
+            .clone()
             .try_inverse()
             .filter(|own| !values.is_empty() && own.iter().all(|entry| entry.is_finite()));
         let Some(inverse) = inverse else {
-            return Err(Error::NothingShared);
+            return Err(Error::NothingGiven);
         };
-        let blur = self.parameters.len() - 1;
-        let mut known = Information::none(self.source.blur.nrows());
-        let mu = known.whole.nrows() - 2;
-        for (i, &(a, ..)) in values.iter().enumerate() {
-            for (j, &(b, ..)) in values.iter().enumerate() {
-                let place = |k: usize| if k < blur { k } else { mu };
-                known.whole[(place(a), place(b))] = inverse[(i, j)];
-                if a < blur && b < blur {
-                    known.blur[(a, b)] = inverse[(i, j)];
+        let mut known = Information::none(self.unknowns);
+        let blur = self.unknowns.blur;
+        let places: Vec<usize> = values.iter().map(|&(i, ..)| self.place(i)).collect();
+        for (i, &a) in places.iter().enumerate() {
+            for (j, &b) in places.iter().enumerate() {
+                known.whole[(a, b)] = inverse[(i, j)];
+            }
+        }
+        // What tells mu too tells of the blur what is left when mu is free.
+        let kept: Vec<usize> = (0..values.len()).filter(|&i| places[i] < blur).collect();
+        let own = covariance.select_rows(&kept).select_columns(&kept);
+        if let Some(own) = own.try_inverse() {
+            for (i, &a) in kept.iter().enumerate() {
+                for (j, &b) in kept.iter().enumerate() {
+                    known.blur[(places[a], places[b])] = own[(i, j)];
                 }
             }
         }
@@ -293,13 +360,19 @@ impl<'a> Foreseen<'a> {
     }
 }
 
-/// Returns the value of a parameter that all incidences of a result share.
-fn shared(result: &ResultFile, kind: ParameterKind) -> Option<f64> {
-    let of = |own: &Option<Parameter>| match own {
-        Some(Parameter::Shared(number)) => number.value,
+/// Returns the value of a parameter of a result.
+fn value(result: &ResultFile, id: &ParameterId) -> Option<f64> {
+    let of = |own: &Option<Parameter>| match (own.as_ref()?, id.incidence_deg) {
+        (Parameter::Shared(number), None) => number.value,
+        (Parameter::PerAngle { per_angle }, Some(_)) => {
+            let own = per_angle
+                .iter()
+                .find(|own| id.kind.at(own.incidence_deg) == *id);
+            own?.value
+        }
         _ => None,
     };
-    match kind {
+    match id.kind {
         ParameterKind::CornerSize => result.c_mm.as_ref().and_then(|c| c.value),
         ParameterKind::APerMm => of(&result.a_per_mm),
         ParameterKind::ATimesR => of(&result.a_times_r),
@@ -308,16 +381,23 @@ fn shared(result: &ResultFile, kind: ParameterKind) -> Option<f64> {
     }
 }
 
-/// Returns the standard deviations of the first `count` unknowns of a normal matrix; infinite where
-/// it is singular.
-fn deviations(normal: &DMatrix<f64>, count: usize) -> Vec<f64> {
-    match normal.clone().cholesky() {
-        Some(own) => {
-            let inverse = own.inverse();
-            (0..count).map(|i| inverse[(i, i)].sqrt()).collect()
-        }
-        None => vec![f64::INFINITY; count],
-    }
+/// Returns the standard deviations of some unknowns of a normal matrix; infinite where nothing tells
+/// them.
+fn deviations(normal: &DMatrix<f64>, wanted: Range<usize>) -> Vec<f64> {
+    // Unknowns of which nothing is told, as those of an incidence without a photograph, are left
+    // out.
+    let told: Vec<usize> = (0..normal.nrows())
+        .filter(|&i| normal[(i, i)] > 0.0)
+        .collect();
+    let kept = normal.select_rows(&told).select_columns(&told);
+    let inverse = kept.cholesky().map(|own| own.inverse());
+    let deviation = |i: usize| {
+        let place = told.iter().position(|&own| own == i)?;
+        Some(inverse.as_ref()?[(place, place)].sqrt())
+    };
+    wanted
+        .map(|i| deviation(i).unwrap_or(f64::INFINITY))
+        .collect()
 }
 
 /// Photographs as the camera of a plan would take them.
@@ -326,7 +406,10 @@ struct Seen<'a> {
     /// Photographs of both edges, whose pixels lie as those of all candidates.
     pattern: &'a Scene,
     camera: &'a Camera,
-    choice: Choice,
+    layout: Layout,
+    unknowns: Unknowns,
+    /// Different incidences, degrees, ascending.
+    angles: &'a [f64],
     /// Points of the beliefs: logarithms of c and spread.
     points: Vec<Vec<f64>>,
 }
@@ -349,7 +432,7 @@ impl Seen<'_> {
         let conditions: Vec<Conditions> = conditions.collect();
         let scene = self.pattern.perturbed(table, None, &conditions);
         let scene = scene.map_err(estimator::Error::from)?;
-        if self.choice.kernel.has_waves() {
+        if self.layout.choice.kernel.has_waves() {
             let file = "the plan".into();
             let fault = |fault| estimator::Error::Wave(file, fault);
             scene.waves().map_err(fault)?;
@@ -369,24 +452,31 @@ impl Seen<'_> {
 
     /// Returns what a photograph tells at a point of the beliefs.
     fn tells(&self, shot: &Aerial, at: &[f64]) -> Information {
-        let layout = Layout::new(self.choice, 1);
-        let blur = layout.blur(&nalgebra::DVector::from_column_slice(at), 0);
-        let model = model(shot, self.choice);
+        let layout = &self.layout;
+        let angle = |&own: &f64| own == shot.incidence_deg;
+        let group = self.angles.iter().position(angle).unwrap_or(0);
+        // The spread is believed to be the same at every incidence.
+        let c = layout.c().map(|_| at[0]).into_iter();
+        let spread = (0..layout.spreads).map(|_| at[at.len() - 1]);
+        let at = DVector::from_iterator(layout.parameters(), c.chain(spread));
+        let blur = layout.blur(&at, group);
+        let model = model(shot, layout.choice);
         let pixels = Pixels::new(&shot.pixels, self.camera.pitch_mm);
         let lens = &self.pattern.optics.free;
         let curves = pixels.curves(Some((&model, blur)), self.camera, lens);
         let rows = pixels.foreseen(&curves, self.levels(), trial::noise(&self.plan.camera));
         let first = layout.parameters();
-        let columns = layout.columns(0).into_iter();
+        let columns = layout.columns(group).into_iter();
         let columns: Vec<usize> = columns.chain(first..first + lens.len()).collect();
-        Information::of(&rows, &columns, first + lens.len(), true)
+        let mu = layout.mu_group(group);
+        Information::of(&rows, &columns, self.unknowns, Some(mu))
     }
 
     /// Returns what the source edge tells.
     fn source(&self) -> Information {
-        let first = Layout::new(self.choice, 1).parameters();
+        let first = self.layout.parameters();
         let lens = &self.pattern.optics.free;
-        let mut all = Information::none(first + lens.len());
+        let mut all = Information::none(self.unknowns);
         for own in self
             .pattern
             .reference
@@ -399,7 +489,7 @@ impl Seen<'_> {
             let levels = levels(camera.source_level, camera.dark_ratio, camera.veil);
             let rows = pixels.foreseen(&curves, levels, trial::noise(camera));
             let columns: Vec<usize> = (first..first + lens.len()).collect();
-            all.add(&Information::of(&rows, &columns, first + lens.len(), false));
+            all.add(&Information::of(&rows, &columns, self.unknowns, None));
         }
         all
     }
@@ -495,6 +585,7 @@ impl Beliefs {
             a_per_mm: spread.filter(|_| !is_angle),
             a_times_r: spread.filter(|_| is_angle),
             mu: [mu; 2],
+            per_angle: Vec::new(),
             spectrum: None,
         }
     }

@@ -13,11 +13,11 @@ use serde::Serialize;
 use tables::Table;
 
 use crate::simulate::PlantedCamera;
-use edges::names::Kernel;
+use edges::names::{Kernel, ParameterId};
 use estimator::result::ResultFile;
 
 use information::Foreseen;
-pub use request::{Beliefs, Choices, Edge, Plan};
+pub use request::{Beliefs, Choices, Edge, Own, Plan};
 
 /// Photographs beyond the planned ones whose use is computed.
 const FURTHER: usize = 3;
@@ -29,6 +29,17 @@ pub enum Error {
     /// Table or photographs that cannot be used.
     #[error(transparent)]
     Estimator(#[from] estimator::Error),
+    /// More photographs than choices.
+    #[error(
+        "{asked} photographs are asked for, but [choices] allows only {possible}; name more \
+        choices, or raise `repeat`"
+    )]
+    TooMany {
+        /// Photographs that are asked for.
+        asked: usize,
+        /// Photographs that can be taken.
+        possible: usize,
+    },
     /// Choices without light.
     #[error(
         "the table returns less than 2 % of the light in every direction of [choices]; name \
@@ -46,12 +57,12 @@ pub enum Error {
         /// Kernel of the plan.
         believed: Kernel,
     },
-    /// Result without a parameter that all incidences share.
+    /// Result without a parameter of the plan.
     #[error(
-        "--given determines no parameter that all incidences share, so a plan can take nothing \
-        from it; leave it out, or fit with --shared a,mu"
+        "--given determines no parameter of the plan; leave it out, or let `per_angle` of \
+        [beliefs] name what has one value per incidence in it"
     )]
-    NothingShared,
+    NothingGiven,
 }
 
 /// A planned campaign.
@@ -90,8 +101,8 @@ pub struct Photograph {
 /// Standard error to expect of a parameter, relative to its value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Expected {
-    /// Name of the parameter in results.
-    pub parameter: &'static str,
+    /// The parameter, by its name in results: `c_mm`, `a_per_mm_at_20`, `mu`.
+    pub parameter: ParameterId,
     /// Its error in the middle of the beliefs; null if the photographs do not determine it.
     pub middle: Option<f64>,
     /// The largest error at the middle and the ends of the beliefs.
@@ -110,23 +121,31 @@ pub struct Further {
 /// Plans a campaign.
 ///
 /// The best photographs are found by exchange: one after the other is replaced by the best of all
-/// that could be taken, until none is replaced. The measure is the sum of the variances of the
-/// logarithms that the plan minimises, averaged as a logarithm over the beliefs. `given` is an
+/// that could be taken, until none is replaced. The measure is the sum of the relative variances that
+/// the plan minimises (of a parameter with a value per incidence, their mean), averaged as a
+/// logarithm over the beliefs. `given` is an
 /// earlier result of the sheet, whose information the photographs add to.
 ///
 /// # Errors
 /// Returns [`Error::Estimator`] if the table neither holds nor brackets a direction, or has no waves,
-/// [`Error::Dark`] if it returns no light in any, and [`Error::OtherKernel`] or
-/// [`Error::NothingShared`] if nothing follows from `given`.
+/// [`Error::Dark`] if it returns no light in any, [`Error::TooMany`] if fewer can be taken, and [`Error::OtherKernel`] or
+/// [`Error::NothingGiven`] if nothing follows from `given`.
 pub fn plan(plan: &Plan, table: &Table, given: Option<&ResultFile>) -> Result<Planned, Error> {
     let foreseen = Foreseen::new(plan, table)?;
     let known = given.map(|result| foreseen.known(result)).transpose()?;
-    let search = exchange::Search::new(&foreseen, known.as_ref(), &plan.minimise);
+    let possible = foreseen.candidates.len() * plan.choices.repeat;
+    if plan.photographs > possible {
+        return Err(Error::TooMany {
+            asked: plan.photographs,
+            possible,
+        });
+    }
+    let search = exchange::Search::new(&foreseen, known.as_ref(), plan);
     let mut chosen = search.best(plan.photographs);
     chosen.sort_unstable();
     let even = foreseen.even(plan.photographs);
     let (mut more, mut further) = (chosen.clone(), Vec::new());
-    for _ in 0..FURTHER {
+    for _ in 0..FURTHER.min(possible - plan.photographs) {
         more.push(search.next(&more));
         let photograph = foreseen.photograph(more[more.len() - 1]);
         let expected = foreseen.expected(&more, known.as_ref());
@@ -180,7 +199,7 @@ impl Planned {
 #[cfg(test)]
 pub(crate) fn exhaustive(plan: &Plan, table: &Table) -> Result<(f64, f64), Error> {
     let foreseen = Foreseen::new(plan, table)?;
-    let search = exchange::Search::new(&foreseen, None, &plan.minimise);
+    let search = exchange::Search::new(&foreseen, None, plan);
     let (mut least, n) = (f64::INFINITY, foreseen.candidates.len());
     let mut choice = vec![0; plan.photographs];
     loop {

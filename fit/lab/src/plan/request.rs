@@ -52,6 +52,9 @@ pub struct Beliefs {
     /// Reflectance.
     #[serde(deserialize_with = "share")]
     pub mu: [f64; 2],
+    /// Parameters with one value per incidence: both, if this is left out.
+    #[serde(default = "all_own", deserialize_with = "own")]
+    pub per_angle: Vec<Own>,
     /// Wavelengths of the source, for the kernel `wave`.
     #[serde(default, rename = "wavelength_nm", deserialize_with = "spectrum")]
     pub spectrum: Option<Spectrum>,
@@ -73,6 +76,30 @@ pub struct Choices {
     /// Edges.
     #[serde(default = "both", deserialize_with = "edges")]
     pub edge: Vec<Edge>,
+    /// How often one combination may be photographed.
+    #[serde(default = "once", deserialize_with = "count")]
+    pub repeat: usize,
+}
+
+/// Parameter that may have one value per incidence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Own {
+    /// Diffraction spread.
+    A,
+    /// Reflectance.
+    Mu,
+}
+
+impl Own {
+    const NAMES: [&str; 2] = ["a", "mu"];
+
+    fn from_name(name: &str) -> Option<Own> {
+        match name {
+            "a" => Some(Own::A),
+            "mu" => Some(Own::Mu),
+            _ => None,
+        }
+    }
 }
 
 /// Axis across which the edge of a photograph lies: that along which its blur is seen.
@@ -155,7 +182,7 @@ impl Plan {
 }
 
 impl Beliefs {
-    /// Returns the parameters of the kernel, in the order of an estimate.
+    /// Returns the kinds of parameters of the kernel, in the order of an estimate.
     pub(crate) fn parameters(&self) -> Vec<ParameterKind> {
         let c = self.kernel.has_c().then_some(ParameterKind::CornerSize);
         let spread = self.kernel.has_lobe();
@@ -208,6 +235,23 @@ struct Asked {
     choices: toml::Spanned<Table<Choices>>,
     #[serde(default, deserialize_with = "table")]
     camera: PlantedCamera,
+}
+
+fn once() -> usize {
+    1
+}
+
+fn all_own() -> Vec<Own> {
+    vec![Own::A, Own::Mu]
+}
+
+/// Reads names, of which there may be none.
+fn own<'de, D: Deserializer<'de>>(value: D) -> Result<Vec<Own>, D::Error> {
+    let words = Vec::<toml::Value>::deserialize(value)?;
+    let read = words
+        .into_iter()
+        .map(|word| choice(word, &Own::NAMES, Own::from_name).map_err(serde::de::Error::custom));
+    read.collect()
 }
 
 fn both() -> Vec<Edge> {

@@ -4,7 +4,7 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use crate::plan::{Beliefs, Choices, Edge, Error, Expected, Plan, plan};
+use crate::plan::{Beliefs, Choices, Edge, Error, Expected, Own, Plan, plan};
 use crate::planted::{table, truth};
 use crate::simulate::photograph::saved;
 use crate::simulate::{Params, PlantedCamera, PlantedEdge, PlantedShot};
@@ -44,6 +44,7 @@ fn certain(photographs: usize, minimise: &[ParameterKind]) -> Plan {
             incidence_deg: INCIDENCES.to_vec(),
             azimuth_deg: vec![AZIMUTH],
             edge: vec![Edge::Tangential, Edge::Sagittal],
+            repeat: photographs,
         },
         camera: PlantedCamera {
             width: 192,
@@ -103,28 +104,43 @@ fn middle(expected: &[Expected]) -> [f64; 3] {
 #[test]
 fn foreseen_errors_are_bounds_of_the_photographs() {
     let (table, mut cases) = (cell(), 0);
-    for photographs in [2, 5] {
-        let asked = certain(photographs, &[ParameterKind::CornerSize, ParameterKind::Mu]);
+    for (photographs, own) in [(2, false), (5, false), (9, true)] {
+        let mut asked = certain(photographs, &[ParameterKind::CornerSize, ParameterKind::Mu]);
+        if own {
+            asked.beliefs.per_angle = vec![Own::A, Own::Mu];
+        }
         let planned = plan(&asked, &table, None).expect("the table has all directions");
         assert_eq!(planned.photographs.len(), photographs);
         let params = params(&asked, &planned.photographs, 1);
         let all = source(&params, without_noise);
         let scene = Scene::of(&campaign(&params, &[]), &table, &all).expect("sharp edges");
-        let blur = DVector::from_vec(vec![C_MM.ln(), A_PER_MM.ln()]);
-        let mut joint = Joint::new(&scene, SHARED, &blur);
+        let groups = if own { INCIDENCES.len() } else { 1 };
+        let choice = Choice {
+            per_angle_a: own,
+            per_angle_mu: own,
+            ..SHARED
+        };
+        let spreads = std::iter::repeat_n(A_PER_MM.ln(), groups);
+        let blur = std::iter::once(C_MM.ln()).chain(spreads);
+        let blur = DVector::from_iterator(1 + groups, blur);
+        let mut joint = Joint::new(&scene, choice, &blur);
         let at = planted(&joint, &params.camera, &blur);
-        joint.with_noise(SHARED, &at, noise(&params.camera));
-        let layout = Layout::new(SHARED, scene.groups.len());
+        joint.with_noise(choice, &at, noise(&params.camera));
+        let layout = Layout::new(choice, scene.groups.len());
         let bound = joint.information(&layout, &at, Used::ByAnyEstimate);
         let covariance = bound.mu.expect("there is a reference").covariance;
-        for (i, own) in middle(&planned.expected).into_iter().enumerate() {
-            let expected = covariance[(i, i)].sqrt();
-            println!("{photographs} photographs, {i}: foreseen {own:.3e}, bound {expected:.3e}");
-            assert!((own / expected - 1.0).abs() < 0.01, "{photographs} {i}");
+        assert_eq!(planned.expected.len(), covariance.nrows());
+        for (i, own) in planned.expected.iter().enumerate() {
+            let (foreseen, bound) = (own.middle.expect("it is told"), covariance[(i, i)].sqrt());
+            println!(
+                "{photographs}: {} foreseen {foreseen:.3e}, bound {bound:.3e}",
+                own.parameter
+            );
+            assert!((foreseen / bound - 1.0).abs() < 0.01, "{}", own.parameter);
             cases += 1;
         }
     }
-    assert_eq!(cases, 6);
+    assert_eq!(cases, 3 + 3 + 7);
 }
 
 /// An exchange ends at the best of all choices, here 364 of three photographs among twelve, with

@@ -50,10 +50,10 @@ fn examples(help: &str) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// Returns the text of the parameter file that the help of `fit simulate` shows.
-fn parameters(help: &str) -> String {
+/// Returns the text of the file of this name that a help shows.
+fn shown(help: &str, name: &str) -> String {
     help.lines()
-        .skip_while(|line| !line.contains("PARAMS.toml):"))
+        .skip_while(|line| !line.ends_with(&format!("({name}):")))
         .skip(1)
         .take_while(|line| !line.is_empty())
         .map(|line| format!("{}\n", line.trim()))
@@ -106,8 +106,10 @@ fn every_example_runs_as_printed() {
     }
     let (mut with_example, mut ran) = (0, 0);
     for (verb, help) in &helps {
-        if verb == "fit simulate" {
-            std::fs::write(here.join("params.toml"), parameters(help)).unwrap();
+        for (of, name) in [("simulate", "PARAMS.toml"), ("plan", "PLAN.toml")] {
+            if verb == &format!("fit {of}") {
+                std::fs::write(here.join(name.to_lowercase()), shown(help, name)).unwrap();
+            }
         }
         let examples = examples(help);
         // The help of the program itself needs no example, because its verbs have some.
