@@ -111,13 +111,14 @@ test-statistics: rust tools
 		$(addprefix --skip ,$(SLOWEST))
 
 test-slowest: rust tools
-	@echo "== the slowest statistics of fit, its pages in a browser, and uneven cubes" >&2
-	@$(CARGO) test $(FIT) -p midair --lib --locked -- --ignored $(SLOWEST)
+	@echo "== the slowest statistics of fit, waves and programs of rays, pages in a browser, uneven cubes" >&2
+	@$(CARGO) test $(FIT) -p bake -p midair --lib --locked -- --ignored $(SLOWEST)
 	@$(CARGO) build --workspace --locked
-	@$(CARGO) test -p tests --test all --locked -- --ignored explore:: deviations::
+	@$(CARGO) test -p tests --test all --locked -- --ignored explore:: deviations:: wave::
 SLOWEST = statistics_near_full_scale statistics_of_uneven_light statistics_of_bounds \
 	statistics_of_correlated_noise statistics_of_predictions statistics_of_mtf10_in_noise \
-	traced_photographs_give_their_corner_size
+	traced_photographs_give_their_corner_size programs_record_what_single_rays_do \
+	waves_are_those_of_a_pupil_on_a_raster
 
 # A hundred kills of every command that writes, at random times; hostile files, and the largest ones
 # that are read.

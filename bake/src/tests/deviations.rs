@@ -235,6 +235,7 @@ fn swarms_record_what_single_rays_do() {
 /// and periodic full cubes with errors, hollow and solid, and ideal ones with the record asked for,
 /// without losses and with losses of each kind.
 #[test]
+#[ignore = "half a minute: `make test-slowest` runs it"]
 fn programs_record_what_single_rays_do() {
     let lossless = Request::default();
     let bare = Request {

@@ -35,7 +35,8 @@ pub enum Error {
     #[error(
         "the blur at incidence {incidence_deg} deg, distance {r_mm} mm is {size} pixels wide, and \
         at most {LARGEST} are computed; give the size of the picture as --width, mm, so that it \
-        gets fewer pixels (which loses nothing under such a blur), or a larger one"
+        gets fewer pixels (which loses nothing under such a blur), or a larger one; under --view \
+        give a picture of fewer pixels and a larger pixel_pitch_mm in [image]"
     )]
     Wide {
         incidence_deg: f64,

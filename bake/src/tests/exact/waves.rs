@@ -171,6 +171,7 @@ impl Raster {
 /// order turned round. With errors d of the angles this holds to the first order: phases of
 /// 2 pi c/lambda d^2 remain. Behind polarisers it is complex.
 #[test]
+#[ignore = "half a minute: `make test-slowest` runs it"]
 fn waves_are_those_of_a_pupil_on_a_raster() {
     const SIDE: usize = 2000;
     let metal = |index| Rules {

@@ -188,6 +188,7 @@ fn photographs_of_uneven_cubes_give_back_by_samples_what_was_planted() {
 
 /// Both kinds of tables give back a, c and mu. A table without deviations does not.
 #[test]
+#[ignore = "a minute: `make test-slowest` runs it"]
 fn photographs_of_uneven_cubes_give_back_what_was_planted() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();

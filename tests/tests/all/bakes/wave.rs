@@ -9,6 +9,7 @@ use tests::files::{argument, bake_table, bake_table_with};
 use tests::program::{Run, bake, fit};
 
 #[test]
+#[ignore = "a minute: `make test-slowest` runs it"]
 fn waves_from_photographs_to_prediction() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
