@@ -137,3 +137,53 @@ impl Corner {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::Prepared;
+    use meshes::design::{Design, Shape};
+
+    /// Errors of a bent cell, measured on its facets, are those that were asked for, on top of its
+    /// own; whatever the cant of the cube. Heights stay, and the outline moves by the error.
+    #[test]
+    fn a_bent_corner_has_the_errors_asked_for() {
+        let mut cases = 0;
+        for shape in [Shape::Triangular, Shape::Canted, Shape::FullCube] {
+            let design = Design {
+                dihedral_error_rad: [2e-4, -1e-4, 3e-4],
+                ..Design::new(shape)
+            };
+            let mesh = design.mesh().expect("a design");
+            let cell = meshes::normalise(&mesh, "a.obj".as_ref(), &meshes::CellOptions::default());
+            let prepared = Prepared::new(cell.expect("a cell"));
+            for part in prepared.cubes().expect("few facets") {
+                let corner = Corner::of(&part).expect("one corner");
+                let own = corner.own_errors();
+                // The planes come in another order than the edges.
+                let sum: f64 = own.iter().sum();
+                assert!((sum - 4e-4).abs() < 1e-12, "{shape:?}: {own:?}");
+                for wanted in [[1e-3, 0.0, 0.0], [-2e-3, 5e-3, 1e-3], [1e-2; 3]] {
+                    let bent = corner.bent(&part, wanted).expect("facets with area");
+                    let found = Corner::of(&bent).expect("one corner").own_errors();
+                    for k in 0..3 {
+                        let off = found[k] - own[k] - wanted[k];
+                        assert!(off.abs() < 1e-12, "{shape:?}, {wanted:?}: {off:e}");
+                    }
+                    let [before, after] = [&part, &bent].map(|part| {
+                        let corners = part.facets.iter().flat_map(|facet| &facet.corners);
+                        corners.copied().collect::<Vec<DVec3>>()
+                    });
+                    let most = wanted
+                        .iter()
+                        .fold(0.0_f64, |most, error| most.max(error.abs()));
+                    for (a, b) in before.iter().zip(&after) {
+                        assert!(a.z == b.z && a.distance(*b) < 5.0 * most);
+                    }
+                    cases += 1;
+                }
+            }
+        }
+        assert_eq!(cases, 3 * (1 + 2 + 1));
+    }
+}

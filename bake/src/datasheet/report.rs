@@ -89,7 +89,8 @@ impl CellFacts {
             "Dihedral errors",
             match self.dihedral_error_mrad {
                 None => "no single corner of three planes in each cube".into(),
-                Some(error) => format!("up to {error:.4} mrad in the mesh itself"),
+                Some(error) if error < 5e-5 => "none in the mesh (below 0.0001 mrad)".into(),
+                Some(error) => format!("up to {error:.4} mrad in the mesh"),
             },
         ));
         words

@@ -6,8 +6,12 @@ use crate::optics::Rules;
 /// Dihedral errors whose spots are drawn, mrad: equal at all three edges of every cube.
 pub(crate) const ERRORS_MRAD: [f64; 3] = [0.0, 0.5, 1.0];
 
-/// Directions that count as one spot, as tangents.
-const SAME: f64 = 1e-9;
+/// Directions that count as one spot, as a part of the dihedral error. The two cubes of a pair differ
+/// by the square of the error.
+const SAME: f64 = 0.005;
+
+/// Directions that count as one spot without an error, mrad.
+const ROUNDING_MRAD: f64 = 1e-6;
 
 /// Light that leaves in one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,10 +51,15 @@ impl SpotDiagram {
             let share = path.weight * path.area() / total;
             let same = |spot: &&mut Spot| {
                 let apart = (spot.across_mrad - across_mrad).hypot(spot.along_mrad - along_mrad);
-                apart < 1e3 * SAME
+                apart < SAME * error_mrad + ROUNDING_MRAD
             };
             match spots.iter_mut().find(same) {
-                Some(spot) => spot.share += share,
+                Some(spot) => {
+                    let part = share / (spot.share + share);
+                    spot.across_mrad += part * (across_mrad - spot.across_mrad);
+                    spot.along_mrad += part * (along_mrad - spot.along_mrad);
+                    spot.share += share;
+                }
                 None => spots.push(Spot {
                     across_mrad,
                     along_mrad,
