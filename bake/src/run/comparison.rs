@@ -105,7 +105,10 @@ impl Comparison {
         match both {
             [Some(unfolded), Some(_)] if more_of_b => Ok(Comparison::of(&unfolded, b)),
             [Some(_), Some(unfolded)] => Ok(Comparison::of(a, &unfolded)),
-            _ => Err("the azimuths differ"),
+            _ => Err(
+                "the azimuths differ (with --azimuth full they may, where rounding of a mesh hides \
+                a symmetry: list the azimuths)",
+            ),
         }
     }
 

@@ -169,7 +169,7 @@ fn tables_of_two_writings_are_compared() {
     for file in ["cell.obj", "cell.glb"] {
         bake(here, &format!("design triangular-pair -o {file} {errors}")).done();
         let table = file.replace('.', "-");
-        let words = format!("trace {file} -o {table}.h5 --refractive-index 1 --azimuth full:30");
+        let words = format!("trace {file} -o {table}.h5 --refractive-index 1 --azimuth full:15");
         assert_eq!(
             bake(here, &format!("{words} --incidence 0,20")).code,
             Some(0)
