@@ -47,6 +47,7 @@
 //! - `run`: the whole bake
 //! - `plots`: pictures of tables
 //! - `study`: speed against error
+//! - `datasheet`: the data sheet of a cell
 //! - `cli`: the program
 #![deny(unsafe_code)]
 #![warn(unreachable_pub)]
@@ -54,6 +55,7 @@
 mod beams;
 mod cell;
 pub mod cli;
+mod datasheet;
 mod error;
 mod geometry;
 mod optics;
@@ -66,6 +68,8 @@ mod study;
 
 // The public interface of this crate. The types of the options belong to the crate `tables`.
 pub use cell::Prepared;
+pub use datasheet::{CellFacts, Datasheet, DatasheetRequest, EtaMap, SurfaceSheet, datasheet};
+pub use datasheet::{Spot, SpotDiagram, Spread, Surface, Tolerance};
 pub use error::Error;
 pub use optics::{metal, refractive_index};
 pub use plan::Plan;

@@ -11,7 +11,6 @@ mod mean;
 mod paths;
 mod view;
 
-#[cfg(test)]
 pub(crate) use exact::Share;
 pub(crate) use exact::spread;
 #[cfg(test)]

@@ -15,7 +15,7 @@ mod symmetry;
 #[cfg(test)]
 pub(crate) use bodies::Kind;
 pub(crate) use bodies::Whole;
-pub(crate) use body::Body;
+pub(crate) use body::{Body, Part};
 pub(crate) use planar::ExactCell;
 pub(crate) use planar::NO_PLANES;
 pub(crate) use planes::PlanarFacet;

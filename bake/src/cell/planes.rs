@@ -30,7 +30,7 @@ pub(crate) struct PlanarFacet {
 
 impl PlanarFacet {
     /// Makes the facet of `corners`, or `None` if they have no area.
-    fn new(corners: Vec<DVec3>) -> Option<Self> {
+    pub(crate) fn new(corners: Vec<DVec3>) -> Option<Self> {
         let normal = triangle::normal(&corners)?;
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
         Some(PlanarFacet {

@@ -96,6 +96,23 @@ impl Prepared {
         })
     }
 
+    /// Returns the parts of the cell, one for each kind of cube even if it has few facets, or `None`
+    /// if joining its triangles would take minutes.
+    pub(crate) fn cubes(&self) -> Option<Vec<Part>> {
+        match &self.apart {
+            Ok(kinds) => Some(kinds.iter().map(Part::of).collect()),
+            Err(_) => self.parts().map(<[Part]>::to_vec),
+        }
+    }
+
+    /// Returns the number of separate cubes of the cell and of those that differ, or `None` if it is
+    /// one piece.
+    pub(crate) fn cubes_apart(&self) -> Option<[usize; 2]> {
+        let kinds = self.apart.as_ref().ok()?;
+        let cubes = kinds.iter().map(|kind| kind.places.len()).sum();
+        Some([cubes, kinds.len()])
+    }
+
     /// Returns whether the cell has too few facets to be worth taking apart.
     fn is_small(&self) -> bool {
         self.cell.facets.len() < SMALL

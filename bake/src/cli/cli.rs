@@ -1,6 +1,7 @@
 //! The command line of `bake`: its verbs with their help, and the exit code of each outcome.
 
 use crate::cli::compare;
+use crate::cli::datasheet;
 use crate::cli::design;
 use crate::cli::inspect;
 use crate::cli::merge;
@@ -101,6 +102,27 @@ Glass beads on a mirror:
   bake trace bead.obj -o bead.h5 --glass-index 1.93 --normals file
       --angular-tolerance 2 --incidence 0,30 --rays 65536")]
     Trace(Box<trace::TraceArgs>),
+    /// Makes the data sheet of a cell, or compares two cells
+    ///
+    /// Eta over incidence and azimuth for ideal mirrors, metal and total reflection, entrance angles
+    /// of half eta, spots of dihedral errors, and the spread of eta and MTF50 over random cells. All
+    /// is computed exactly from the polygons of light, without rays and without a table.
+    ///
+    /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
+    #[command(after_help = "\
+Examples:
+
+Page of an acrylic prism sheet, with tolerances for 0.3 mrad at 1 m:
+  bake datasheet pair.obj -o pair.html --refractive-index 1.49 --unit mm
+      --error-mrad 0.3 --distance 1000
+
+Maps of eta as numbers:
+  bake datasheet pair.obj -o pair.csv --refractive-index 1.49 --unit mm
+
+A canted cell against an upright one:
+  bake design canted -o canted.obj --edge-length 0.18 --cant-deg 7.9
+  bake datasheet pair.obj canted.obj -o both.html --refractive-index 1.49 --unit mm")]
+    Datasheet(Box<datasheet::DatasheetArgs>),
     /// Measures the speed and the error of every method on a mesh
     ///
     /// Bakes with every method, sampler and number of rays, and compares each table with the exact
@@ -203,6 +225,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>, commit: Option<&str>)
         Verb::Trace(args) => trace::run(&args, &*ranks, launched),
         _ if !ranks.leads() => Ok(()),
         Verb::Design(args) => design::run(&args),
+        Verb::Datasheet(args) => datasheet::run(&args),
         Verb::Study(args) => study::run(&args),
         Verb::Inspect(args) => inspect::run(&args),
         Verb::Compare(args) => compare::run(&args),

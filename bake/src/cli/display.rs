@@ -43,6 +43,18 @@ impl ProgressDisplay {
         ProgressDisplay { bar }
     }
 
+    /// Makes the bar of data sheets, which counts azimuths and tolerances.
+    pub(super) fn of_datasheet() -> Self {
+        ProgressDisplay::of_study()
+    }
+
+    /// Displays that the data sheet `name` begins, which has `all` steps.
+    pub(super) fn begin(&self, name: &str, all: u64) {
+        self.bar.set_length(all);
+        self.bar.set_position(0);
+        self.bar.set_message(name.to_owned());
+    }
+
     /// Displays that the bake `name` begins, after `done` of `all` bakes.
     pub(super) fn step(&self, name: &str, done: usize, all: usize) {
         self.bar.set_length(all as u64);

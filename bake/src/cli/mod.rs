@@ -8,6 +8,7 @@ mod cell;
 #[allow(clippy::module_inception, reason = "the command line itself")]
 mod cli;
 mod compare;
+mod datasheet;
 mod design;
 mod display;
 mod inspect;

@@ -170,8 +170,8 @@ pub(crate) fn directions_json(table: &Table) -> Value {
 /// Returns a comparison as text, one line for each direction.
 pub(crate) fn comparison_text(comparison: &Comparison) -> String {
     let mut text = String::from(
-        "incidence  azimuth  L1 distance  counting noise  largest bin  eta, sigmas  polygons  \
-        exits' L1  agrees\n",
+        "incidence  azimuth  L1 distance  counting noise  largest bin  eta differs  in sigmas  \
+        polygons  exits' L1  agrees\n",
     );
     for row in &comparison.rows {
         let azimuth = if row.azimuth_deg.is_nan() {
@@ -181,12 +181,14 @@ pub(crate) fn comparison_text(comparison: &Comparison) -> String {
         };
         let _ = writeln!(
             text,
-            "{:9}  {azimuth:>7}  {:11.2e}  {:14.2e}  {:11.2e}  {:11.2}  {:>8}  {:>9}  {}",
+            "{:9}  {azimuth:>7}  {:11.2e}  {:14.2e}  {:11.2e}  {:11.2e}  {:>9}  {:>8}  {:>9}  {}",
             row.incidence_deg,
             row.l1,
             row.noise,
             row.largest,
-            row.sigmas,
+            row.eta,
+            row.sigmas
+                .map_or("-".into(), |sigmas| format!("{sigmas:.2}")),
             number(row.paths),
             number(row.exits.map(|gap| gap.l1)),
             if row.agrees() { "yes" } else { "no" }
@@ -208,7 +210,8 @@ pub(crate) fn comparison_json(comparison: &Comparison) -> String {
         .map(|row| {
             json!({
                 "incidence_deg": row.incidence_deg, "azimuth_deg": row.azimuth_deg, "l1": row.l1,
-                "counting_noise": row.noise, "largest_bin": row.largest, "sigmas": row.sigmas,
+                "counting_noise": row.noise, "largest_bin": row.largest,
+                "eta_difference": row.eta, "sigmas": row.sigmas,
                 "polygons": row.paths, "exits_l1": row.exits.map(|gap| gap.l1),
                 "exits_limit": row.exits.map(|gap| gap.limit),
                 "agrees": row.agrees(),

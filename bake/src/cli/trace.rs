@@ -199,7 +199,7 @@ pub(super) fn called(
     let (all, done) = (bake.all_rays(), AtomicU64::new(0));
     let told = |rays| (caller.told)(rays + done.fetch_add(rays, Ordering::Relaxed), all);
     let table = bake.table(Progress::new(&told).stopped_by(caller.stop))?;
-    remarks.extend(remarks::of_table(&table));
+    remarks.extend(remarks::of_table(&table, prepared.cell()));
     Ok((table, remarks))
 }
 
@@ -289,7 +289,7 @@ impl Job<'_> {
             edge_length_from: self.bake.prepared.cell().edge_length_from,
             replaced: before.filter(is_other).map(|(_, words)| words),
         };
-        warn(remarks::of_table(&baked.table));
+        warn(remarks::of_table(&baked.table, self.bake.prepared.cell()));
         if !args.json {
             print(&report.text())?;
         }

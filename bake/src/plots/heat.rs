@@ -294,6 +294,7 @@ impl Picture {
             frame,
             bar: Some(Bar {
                 highest,
+                is_signed: false,
                 name: format!("{}{more}", self.bar),
             }),
             ..Figure::new(

@@ -49,8 +49,11 @@ pub struct Difference {
     pub l1: f64,
     /// Largest absolute difference of probability of a bin.
     pub largest: f64,
-    /// Difference of the retroreflected fractions in standard errors; 0 if they are equal.
-    pub sigmas: f64,
+    /// Difference of the retroreflected fractions: the second less the first.
+    pub eta: f64,
+    /// Difference of the retroreflected fractions in standard errors; `None` if both tables are
+    /// exact, so that they have none.
+    pub sigmas: Option<f64>,
     /// L1 distance that the counting errors of both tables explain.
     pub noise: f64,
     /// Largest difference of what was counted, in units of what counting and rounding explain.
@@ -73,6 +76,9 @@ pub struct Difference {
 impl Comparison {
     /// Compares two tables.
     ///
+    /// Where the azimuths of one stand for those of the other by symmetry, it is unfolded: rounding
+    /// of a mesh may have hidden a symmetry of its cell.
+    ///
     /// # Errors
     /// Returns a sentence that names the axis if the two tables differ in their incidences, their
     /// azimuths or their histogram bins.
@@ -84,13 +90,26 @@ impl Comparison {
         if !same(&a.axes.incidence_deg, &b.axes.incidence_deg) {
             return Err("the incidence angles differ");
         }
-        if !same(&a.axes.azimuth_deg, &b.axes.azimuth_deg) {
-            return Err("the azimuths differ");
-        }
         if (a.axes.bins, a.axes.range.to_bits()) != (b.axes.bins, b.axes.range.to_bits()) {
             return Err("the histogram bins differ");
         }
-        Ok(Comparison::of(a, b))
+        if same(&a.axes.azimuth_deg, &b.axes.azimuth_deg) {
+            return Ok(Comparison::of(a, b));
+        }
+        // Each must know all azimuths of the other, so that no direction is left out.
+        let both = [
+            a.unfolded(&b.axes.azimuth_deg),
+            b.unfolded(&a.axes.azimuth_deg),
+        ];
+        let more_of_b = b.axes.azimuth_deg.len() > a.axes.azimuth_deg.len();
+        match both {
+            [Some(unfolded), Some(_)] if more_of_b => Ok(Comparison::of(&unfolded, b)),
+            [Some(_), Some(unfolded)] => Ok(Comparison::of(a, &unfolded)),
+            _ => Err(
+                "the azimuths differ (with --azimuth full they may, where rounding of a mesh hides \
+                a symmetry: list the azimuths)",
+            ),
+        }
     }
 
     /// Compares two tables whose axes are known to be equal.
@@ -115,7 +134,8 @@ impl Comparison {
                 azimuth_deg: a.axes.azimuth_deg[j],
                 l1: difference.sum(),
                 largest: difference.iter().copied().fold(0.0, f64::max),
-                sigmas: if gap <= 1e-12 { 0.0 } else { gap / error },
+                eta: other - eta,
+                sigmas: (error > 0.0).then(|| if gap <= 1e-12 { 0.0 } else { gap / error }),
                 noise: noise(&pairs, per_ray),
                 counted: Counting::new([a, b], at, per_ray).largest(&pairs),
                 paths: paths(a, b, (i, j)),

@@ -3,6 +3,8 @@
 
 use crate::cell::Prepared;
 use crate::plan::{Plan, Request};
+use glam::DVec3;
+use meshes::Cell;
 use tables::options::{Element, Front, Method, Record};
 use tables::{Fate, Table};
 
@@ -12,6 +14,15 @@ const OUTERMOST: f64 = 1e-4;
 /// Share of a direction's light that three or more facets send back too far from straight back,
 /// from which on a warning is given. No ideal cube has any.
 const DEVIATED: f64 = 0.01;
+
+/// Error of an angle that counts as none, rad: coordinates of six digits are no more accurate.
+const UPRIGHT: f64 = 5e-6;
+
+/// Greatest sine of the error of an angle that was meant to be a right one (5.7 degrees).
+const MEANT: f64 = 0.1;
+
+/// Largest number of planes of a solid in which walls are looked for.
+const MOST_PLANES: usize = 256;
 
 /// Bins of deviations, in the rms spread of the light, below which a warning calls them coarse.
 ///
@@ -60,8 +71,8 @@ fn of_method(request: &Request, prepared: &Prepared, plan: &Plan) -> Vec<String>
     }
 }
 
-/// Returns remarks about a table: no light comes back, or its deviations are badly binned.
-pub(crate) fn of_table(table: &Table) -> Vec<String> {
+/// Returns remarks about a table of a cell: no light comes back, or its deviations are badly binned.
+pub(crate) fn of_table(table: &Table, cell: &Cell) -> Vec<String> {
     let mut warnings = Vec::new();
     if table.retroreflected.iter().all(|&eta| eta == 0.0) {
         let other = [Fate::AntiparallelOther, Fate::Deviated];
@@ -79,7 +90,7 @@ pub(crate) fn of_table(table: &Table) -> Vec<String> {
             ),
         });
     } else {
-        warnings.extend(deviated(table));
+        warnings.extend(deviated(table, cell));
     }
     let Some(found) = &table.deviations else {
         return warnings;
@@ -112,21 +123,54 @@ pub(crate) fn of_table(table: &Table) -> Vec<String> {
 /// Returns a warning about light of three or more facets that is too far from straight back.
 /// Light in a plate, through glass, or that a front face has sent back takes any direction, and
 /// is none of it.
-fn deviated(table: &Table) -> Option<String> {
+fn deviated(table: &Table, cell: &Cell) -> Option<String> {
     let from = &table.provenance;
     let cubes = from.element() == Element::Retroreflector && !from.has_glass();
     let once = from.options.front() == Front::Once;
     let share = most(table, &[Fate::Deviated]);
+    let reason = match has_walls(cell) {
+        true => {
+            "the side walls of the solid reflect it; where the sheet goes on beside the cell, leave \
+            them out of the mesh"
+        }
+        false => {
+            "facets are not at right angles; if they should be, write the mesh with more digits, \
+            and if not, give a larger tolerance where this light is part of the mid-air image"
+        }
+    };
     (cubes && once && share > DEVIATED).then(|| {
         format!(
             "up to {:.1} % of a direction's light leaves after three or more reflections, but \
-            farther from straight back than --angular-tolerance ({} deg): facets are not at \
-            right angles; if they should be, write the mesh with more digits, and if not, give \
-            a larger tolerance where this light is part of the mid-air image",
+            farther from straight back than --angular-tolerance ({} deg): {reason}",
             100.0 * share,
             table.provenance.angular_tolerance_deg
         )
     })
+}
+
+/// Returns whether the cell is a solid with side walls at right angles to its front, whose other
+/// facets miss no right angle.
+///
+/// Light of a corner that also meets a wall leaves in any direction, whatever the angles of the
+/// corner.
+fn has_walls(cell: &Cell) -> bool {
+    let normal = |[a, b, c]: &[DVec3; 3]| (b - a).cross(c - a).normalize_or_zero();
+    let mut facets: Vec<DVec3> = Vec::new();
+    let mut walls = false;
+    for normal in cell.facets.iter().map(normal) {
+        if normal.z.abs() < UPRIGHT {
+            walls = true;
+        } else if !facets.iter().any(|own| own.distance(normal) < UPRIGHT) {
+            facets.push(normal);
+        }
+        if facets.len() > MOST_PLANES {
+            return false;
+        }
+    }
+    let pairs = (0..facets.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let sines = pairs.map(|(i, j)| facets[i].dot(facets[j]).abs());
+    let mut missed = sines.filter(|sine| (UPRIGHT..MEANT).contains(sine));
+    cell.closed && walls && missed.next().is_none()
 }
 
 /// Returns the largest share of the light of a direction that has one of these fates.
@@ -161,7 +205,8 @@ mod tests {
                 ..Request::default()
             });
             let plan = plan.expect("a plan");
-            of_table(&trace(&prepared, &plan, Progress::none()).expect("a table"))
+            let table = trace(&prepared, &plan, Progress::none()).expect("a table");
+            of_table(&table, prepared.cell())
         };
         assert_eq!(remarks(0.0), Vec::<String>::new());
         let [said] = &remarks(0.02)[..] else {
@@ -171,5 +216,41 @@ mod tests {
             said.contains("32.8 %") && said.contains("more digits"),
             "{said}"
         );
+    }
+
+    /// Side walls of a solid send light astray too, and then facets are not blamed, unless one of
+    /// them is wrong as well.
+    #[test]
+    fn side_walls_of_a_solid_are_told_from_bent_facets() {
+        let remark = |off: f64| {
+            let up = |p: DVec3| p + DVec3::splat(0.3);
+            let ends = [DVec3::X, DVec3::Y, DVec3::new(0.0, off, 1.0)].map(|p| p * 3.0);
+            let mut mesh = meshes::Mesh {
+                positions: [&[DVec3::ZERO][..], &ends, &ends.map(up)].concat(),
+                triangles: vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [4, 5, 6]],
+                ..meshes::Mesh::default()
+            };
+            for [p, q] in [[1, 2], [2, 3], [3, 1]] {
+                mesh.triangles.extend([[p, q, q + 3], [p, q + 3, p + 3]]);
+            }
+            let options = meshes::CellOptions::default();
+            let cell = meshes::normalise(&mesh, "solid.obj".as_ref(), &options).expect("a cell");
+            assert!(cell.closed);
+            let prepared = Prepared::new(cell);
+            let request = Request {
+                incidence: "20".into(),
+                refractive_index: Some(1.49),
+                ..Request::default()
+            };
+            let plan = Plan::new(&request).expect("a plan");
+            let table = trace(&prepared, &plan, Progress::none()).expect("a table");
+            of_table(&table, prepared.cell()).join(" ")
+        };
+        let (walls, both) = (remark(0.0), remark(0.02));
+        assert!(
+            walls.contains("side walls") && !walls.contains("right angles"),
+            "{walls}"
+        );
+        assert!(both.contains("not at right angles"), "{both}");
     }
 }

@@ -6,7 +6,7 @@ use crate::tests::cells;
 
 use crate::beams::spread;
 use crate::plan::{Plan, Request};
-use crate::run::{Bake, Progress};
+use crate::run::{Bake, Comparison, Progress};
 use crate::tests::bakes::bake;
 use meshes::Cell;
 use meshes::design::{Design, Shape};
@@ -78,6 +78,39 @@ fn a_sector_says_what_all_azimuths_are() {
     println!("{compared} directions");
     // Half of the images are compared: 12 elements of the pair's group, 6 of the others' groups.
     assert_eq!(compared, 3 * (4 * 6 + 3 * 7 * 3));
+}
+
+/// A table of one sector that is unfolded equals the table that is baked at all azimuths, and the
+/// comparison unfolds it by itself. Azimuths for which none stands are refused.
+#[test]
+fn an_unfolded_table_is_that_of_its_azimuths() {
+    let one = cells::uneven_pair([1e-3, 0.0, 0.0]);
+    let mut compared = 0;
+    for (cell, rotations) in [(cells::pair(), 6), (one, 2), (cells::full_cube(), 3)] {
+        let sector = table(&cell, "0,20", "full:15");
+        assert_eq!(sector.provenance.symmetry.rotations, rotations);
+        let whole = table(&cell, "0,20", "0:345:15");
+        let unfolded = sector.unfolded(&whole.axes.azimuth_deg).expect("all azimuths");
+        assert_eq!(unfolded.axes, whole.axes);
+        assert!(apart_in_bins(&unfolded, &whole) < 1e-9);
+        for [a, b] in [[&unfolded, &whole], [&sector, &whole], [&whole, &sector]] {
+            let comparison = Comparison::new(a, b).expect("the same directions");
+            assert_eq!(comparison.rows.len(), 2 * 24);
+            assert!(comparison.agrees());
+            assert!(comparison.rows.iter().all(|row| row.sigmas.is_none()));
+            compared += comparison.rows.len();
+        }
+        assert!(sector.unfolded(&[7.0]).is_none());
+        let few = table(&cell, "0,20", "0,15");
+        assert!(Comparison::new(&few, &whole).is_err(), "directions would be left out");
+    }
+    assert_eq!(compared, 3 * 3 * 48);
+}
+
+/// Returns the largest difference of two histograms.
+fn apart_in_bins(a: &Table, b: &Table) -> f64 {
+    let pairs = a.histogram.iter().zip(&b.histogram);
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 /// Returns a cube whose angles are off 90 deg: the ends of its edges lie `stretch` times as far

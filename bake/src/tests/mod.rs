@@ -8,6 +8,7 @@ mod bakes;
 mod cells;
 mod closed_form;
 mod curved;
+mod datasheet;
 mod determinism;
 mod deviations;
 mod elements;

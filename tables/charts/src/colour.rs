@@ -54,6 +54,23 @@ pub(crate) fn step_colour(step: u8) -> [u8; 3] {
     mixed(1.0 - f64::from(step.clamp(1, STEPS) - 1) / f64::from(STEPS - 1))
 }
 
+/// Ends of the scale of differences, and its middle: blue and orange of ColorBrewer, which people who
+/// do not see all colours can tell apart.
+const DIFFERENCES: [[f64; 3]; 3] = [
+    [33.0, 102.0, 172.0],
+    [247.0, 247.0, 247.0],
+    [179.0, 88.0, 6.0],
+];
+
+/// Returns the colour of a difference, from 1 (less, blue) over the middle (none) to [`STEPS`]
+/// (more, orange).
+pub(crate) fn difference_colour(step: u8) -> [u8; 3] {
+    let signed = 2.0 * f64::from(step.clamp(1, STEPS) - 1) / f64::from(STEPS - 1) - 1.0;
+    let [less, none, more] = DIFFERENCES;
+    let end = if signed < 0.0 { less } else { more };
+    [0, 1, 2].map(|k| (none[k] + signed.abs() * (end[k] - none[k])).round() as u8)
+}
+
 /// Writes a colour as the attribute of a line has it.
 fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
@@ -88,5 +105,18 @@ mod tests {
         let lines: Vec<f64> = lines.collect();
         assert!(lines.windows(2).all(|pair| pair[0] < pair[1]), "{lines:?}");
         assert!(1.05 / (lines[100] + 0.05) > 2.8);
+    }
+
+    /// Checks that differences grow darker towards both ends, and that the ends differ in hue.
+    #[test]
+    fn differences_are_lightest_in_the_middle() {
+        let steps: Vec<f64> = (1..=STEPS)
+            .map(|step| luminance(difference_colour(step)))
+            .collect();
+        let (less, more) = steps.split_at(usize::from(STEPS / 2));
+        assert!(less.windows(2).all(|pair| pair[0] < pair[1]), "{less:?}");
+        assert!(more.windows(2).all(|pair| pair[0] > pair[1]), "{more:?}");
+        let [[r, _, b], [red, _, blue]] = [1, STEPS].map(difference_colour);
+        assert!(b > r && red > blue);
     }
 }

@@ -70,6 +70,9 @@ pub enum Ground {
     Circles,
     /// Cells, and outlines over them, on lines at the ticks.
     Cells(Image, Vec<Vec<[f64; 2]>>),
+    /// Cells of a polar map about 0 up to a radius, under circles at round radii, with directions
+    /// around it. The axes reach from -1.2 to 1.2 times the radius; numbers of radii stand below.
+    Polar(Image, f64),
 }
 
 /// One panel of a figure.
@@ -119,7 +122,7 @@ impl Facet {
 
     /// Returns the width of the longest number beside a panel of this height.
     pub(crate) fn numbers(&self, high: f64) -> f64 {
-        if matches!(self.ground, Ground::Circles) {
+        if matches!(self.ground, Ground::Circles | Ground::Polar(..)) {
             return 0.0;
         }
         let ticks = self.axes[1].ticks(Facet::ticks(high));
@@ -184,20 +187,11 @@ impl Facet {
         let [left, top, wide, high] = panel.frame;
         let mut out = match &self.ground {
             Ground::Circles => circles(panel),
+            Ground::Polar(image, radius) => polar(panel, image, *radius, named[0]),
             _ => panel.ruled(Facet::ticks(high), named),
         };
         if let Ground::Cells(image, outlines) = &self.ground {
-            let [[x0, y1], [x1, y0]] = [image.from, image.to].map(|[x, y]| panel.at(x, y));
-            if !image.png.is_empty() {
-                out.push_str(&format!(
-                    "<image x=\"{x0:.2}\" y=\"{y0:.2}\" width=\"{:.2}\" height=\"{:.2}\" \
-                     preserveAspectRatio=\"none\" image-rendering=\"pixelated\" \
-                     href=\"data:image/png;base64,{}\"/>",
-                    x1 - x0,
-                    y1 - y0,
-                    image.png
-                ));
-            }
+            out.push_str(&cells(panel, image));
             let lines = outlines.iter().map(|outline| panel.path(outline));
             let lines: String = lines.collect();
             out.push_str(&format!("<path class=\"outlines\" d=\"{lines}\"/>"));
@@ -265,6 +259,59 @@ impl Curve {
         });
         alone.map(|k| self.points[k]).collect()
     }
+}
+
+/// Draws the cells of an image.
+fn cells(panel: &Panel, image: &Image) -> String {
+    if image.png.is_empty() {
+        return String::new();
+    }
+    let [[x0, y1], [x1, y0]] = [image.from, image.to].map(|[x, y]| panel.at(x, y));
+    format!(
+        "<image x=\"{x0:.2}\" y=\"{y0:.2}\" width=\"{:.2}\" height=\"{:.2}\" \
+         preserveAspectRatio=\"none\" image-rendering=\"pixelated\" \
+         href=\"data:image/png;base64,{}\"/>",
+        x1 - x0,
+        y1 - y0,
+        image.png
+    )
+}
+
+/// Draws a polar map with circles at round radii; their numbers stand below it if they are `named`.
+fn polar(panel: &Panel, image: &Image, radius: f64, named: bool) -> String {
+    let [x, y] = panel.at(0.0, 0.0);
+    let [_, top, _, high] = panel.frame;
+    let scale = (panel.at(radius, 0.0)[0] - x) / radius;
+    let r = radius * scale;
+    let mut out = cells(panel, image);
+    let ticks = Axis::linear(0.0, radius).ticks(4);
+    let inner = ticks.iter().filter(|(tick, _)| *tick < radius);
+    for tick in inner.map(|(tick, _)| *tick).chain([radius]) {
+        out.push_str(&format!(
+            "<circle class=\"lines\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{:.1}\"/>",
+            tick * scale
+        ));
+    }
+    out.push_str(&format!(
+        "<path class=\"lines\" d=\"M{:.1} {y:.1}h{:.1}M{x:.1} {:.1}v{:.1}\"/>",
+        x - r,
+        2.0 * r,
+        y - r,
+        2.0 * r
+    ));
+    let around = [
+        ("", [x + r + 4.0, y + 4.0], "0°"),
+        ("x", [x, y - r - 4.0], "90°"),
+        ("y", [x - r - 4.0, y + 4.0], "180°"),
+        ("x", [x, y + r + 13.0], "270°"),
+    ];
+    out.extend(around.map(|(class, at, name)| text(class, at, name)));
+    if named {
+        let below =
+            |(tick, name): &(f64, String)| text("x", [x + tick * scale, top + high + 12.0], name);
+        out.extend(ticks.iter().map(below));
+    }
+    out
 }
 
 /// Draws the grid of a polar panel, with directions around it.

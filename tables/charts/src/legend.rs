@@ -75,11 +75,13 @@ pub struct Key {
     pub stroke: Stroke,
 }
 
-/// Scale of colours from 0 to `highest`.
+/// Scale of colours from 0 to `highest`, or of differences from -`highest` to `highest`.
 #[derive(Debug, Clone)]
 pub struct Bar {
     /// Value of the darkest colour.
     pub highest: f64,
+    /// True for the scale of differences.
+    pub is_signed: bool,
     /// Quantity that the colours show.
     pub name: String,
 }
@@ -130,9 +132,10 @@ pub(crate) fn bar(bar: &Bar, [left, top]: [f64; 2], most: f64) -> (String, f64) 
     let mut out = format!(
         "<image x=\"{left}\" y=\"{top}\" width=\"{long}\" height=\"{THICK}\" \
          preserveAspectRatio=\"none\" href=\"data:image/png;base64,{}\"/>",
-        STANDARD.encode(png(steps.len(), &steps))
+        STANDARD.encode(png(steps.len(), &steps, bar.is_signed))
     );
-    let axis = Axis::linear(0.0, bar.highest);
+    let lowest = if bar.is_signed { -bar.highest } else { 0.0 };
+    let axis = Axis::linear(lowest, bar.highest);
     for (tick, name) in axis.ticks(4) {
         let x = left + long * axis.part(tick);
         out.push_str(&format!(

@@ -532,7 +532,7 @@ fn around(images: &[AzimuthImage], widest_deg: f64, x: f64) -> Option<Bracket> {
 }
 
 /// Returns the angle in (-180, 180] that differs from `angle` by whole turns, degrees.
-fn turn(angle: f64) -> f64 {
+pub(super) fn turn(angle: f64) -> f64 {
     let angle = angle.rem_euclid(360.0);
     if angle > 180.0 { angle - 360.0 } else { angle }
 }

@@ -9,3 +9,4 @@ pub(crate) mod family;
 pub(crate) mod many;
 pub(crate) mod moved;
 pub(crate) mod passage;
+pub(crate) mod unfolded;

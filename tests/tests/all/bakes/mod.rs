@@ -1,5 +1,6 @@
 //! Tables, from a mesh to what a fit takes from them.
 
+mod datasheet;
 mod determinism;
 mod deviations;
 mod elements;

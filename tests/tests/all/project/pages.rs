@@ -10,7 +10,7 @@ use tests::page::{blocks, missing};
 use tests::program::{python, run_by};
 
 /// Pages whose commands are run, in this order, after README.md. They read files that it writes.
-const PAGES: [&str; 16] = [
+const PAGES: [&str; 17] = [
     "doc/README.md",
     "doc/cells.md",
     "doc/photographs.md",
@@ -18,6 +18,7 @@ const PAGES: [&str; 16] = [
     "doc/predict.md",
     "doc/light.md",
     "doc/which.md",
+    "doc/maker.md",
     "doc/tables.md",
     "doc/python.md",
     "doc/compare.md",
