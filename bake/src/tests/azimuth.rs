@@ -90,7 +90,9 @@ fn an_unfolded_table_is_that_of_its_azimuths() {
         let sector = table(&cell, "0,20", "full:15");
         assert_eq!(sector.provenance.symmetry.rotations, rotations);
         let whole = table(&cell, "0,20", "0:345:15");
-        let unfolded = sector.unfolded(&whole.axes.azimuth_deg).expect("all azimuths");
+        let unfolded = sector
+            .unfolded(&whole.axes.azimuth_deg)
+            .expect("all azimuths");
         assert_eq!(unfolded.axes, whole.axes);
         assert!(apart_in_bins(&unfolded, &whole) < 1e-9);
         for [a, b] in [[&unfolded, &whole], [&sector, &whole], [&whole, &sector]] {
@@ -102,7 +104,10 @@ fn an_unfolded_table_is_that_of_its_azimuths() {
         }
         assert!(sector.unfolded(&[7.0]).is_none());
         let few = table(&cell, "0,20", "0,15");
-        assert!(Comparison::new(&few, &whole).is_err(), "directions would be left out");
+        assert!(
+            Comparison::new(&few, &whole).is_err(),
+            "directions would be left out"
+        );
     }
     assert_eq!(compared, 3 * 3 * 48);
 }
