@@ -95,7 +95,7 @@ fn an_unfolded_table_is_that_of_its_azimuths() {
             .expect("all azimuths");
         assert_eq!(unfolded.axes, whole.axes);
         assert!(apart_in_bins(&unfolded, &whole) < 1e-9);
-        for [a, b] in [[&unfolded, &whole], [&sector, &whole], [&whole, &sector]] {
+        for [a, b] in [[&sector, &whole], [&whole, &sector]] {
             let comparison = Comparison::new(a, b).expect("the same directions");
             assert_eq!(comparison.rows.len(), 2 * 24);
             assert!(comparison.agrees());
@@ -109,7 +109,7 @@ fn an_unfolded_table_is_that_of_its_azimuths() {
             "directions would be left out"
         );
     }
-    assert_eq!(compared, 3 * 3 * 48);
+    assert_eq!(compared, 3 * 2 * 48);
 }
 
 /// Returns the largest difference of two histograms.
