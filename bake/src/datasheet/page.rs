@@ -32,8 +32,9 @@ pub(crate) fn page(sheets: &[Datasheet], command: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
-         style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\"/>\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"script-src 'none'; \
+         connect-src 'none'; font-src 'none'; frame-src 'none'; object-src 'none'; img-src data:; \
+         base-uri 'none'; form-action 'none'\"/>\n\
          <meta name=\"generator\" content=\"bake {}\"/>\n\
          <title>Data sheet: {title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n\
          <h1>{title}</h1>\n<p class=\"from\">Data sheet of a retroreflector cell, computed exactly \

@@ -7,8 +7,8 @@ use crate::optics::Rules;
 pub(crate) const ERRORS_MRAD: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Directions that count as one spot, as a part of the dihedral error. The two cubes of a pair differ
-/// by the square of the error.
-const SAME: f64 = 0.005;
+/// by 6 times the square of the error, in rad.
+const SAME: f64 = 0.02;
 
 /// Directions that count as one spot without an error, mrad.
 const ROUNDING_MRAD: f64 = 1e-6;

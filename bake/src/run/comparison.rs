@@ -62,7 +62,7 @@ pub struct Difference {
     /// x 4 and more of their bins taken together. So few rays cannot hide a wrong distribution.
     pub counted: f64,
     /// Difference of the light of two exact tables; `None` unless both have polygons of this
-    /// direction.
+    /// direction, and where one of them was unfolded.
     ///
     /// It is the largest difference of their polygons, maps, weights and deviations, path by path,
     /// or, if that is less, the mean distance of the outlines of equal light, edge lengths. The
@@ -77,7 +77,8 @@ impl Comparison {
     /// Compares two tables.
     ///
     /// Where the azimuths of one stand for those of the other by symmetry, it is unfolded: rounding
-    /// of a mesh may have hidden a symmetry of its cell.
+    /// of a mesh may have hidden a symmetry of its cell. Then polygons are not compared, because a
+    /// rotation may carry the cubes of a cell to other places.
     ///
     /// # Errors
     /// Returns a sentence that names the axis if the two tables differ in their incidences, their
@@ -103,8 +104,8 @@ impl Comparison {
         ];
         let more_of_b = b.axes.azimuth_deg.len() > a.axes.azimuth_deg.len();
         match both {
-            [Some(unfolded), Some(_)] if more_of_b => Ok(Comparison::of(&unfolded, b)),
-            [Some(_), Some(unfolded)] => Ok(Comparison::of(a, &unfolded)),
+            [Some(unfolded), Some(_)] if more_of_b => Ok(Comparison::of(&unfolded, b).unplaced()),
+            [Some(_), Some(unfolded)] => Ok(Comparison::of(a, &unfolded).unplaced()),
             _ => Err(
                 "the azimuths differ (with --azimuth full they may, where rounding of a mesh hides \
                 a symmetry: list the azimuths)",
@@ -145,6 +146,12 @@ impl Comparison {
         Comparison {
             rows: a.retroreflected.indexed_iter().map(row).collect(),
         }
+    }
+
+    /// Leaves polygons out, whose places differ.
+    fn unplaced(mut self) -> Self {
+        self.rows.iter_mut().for_each(|row| row.paths = None);
+        self
     }
 
     /// Returns whether the two tables agree in every direction.

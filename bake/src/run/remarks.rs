@@ -246,7 +246,7 @@ mod tests {
             let table = trace(&prepared, &plan, Progress::none()).expect("a table");
             of_table(&table, prepared.cell()).join(" ")
         };
-        let (walls, both) = (remark(0.0), remark(0.02));
+        let (walls, both) = (remark(0.0), remark(0.002));
         assert!(
             walls.contains("side walls") && !walls.contains("right angles"),
             "{walls}"

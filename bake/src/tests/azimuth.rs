@@ -90,10 +90,12 @@ fn an_unfolded_table_is_that_of_its_azimuths() {
         let sector = table(&cell, "0,20", "full:15");
         assert_eq!(sector.provenance.symmetry.rotations, rotations);
         let whole = table(&cell, "0,20", "0:345:15");
-        let unfolded = sector.unfolded(&whole.axes.azimuth_deg).expect("all azimuths");
+        let unfolded = sector
+            .unfolded(&whole.axes.azimuth_deg)
+            .expect("all azimuths");
         assert_eq!(unfolded.axes, whole.axes);
         assert!(apart_in_bins(&unfolded, &whole) < 1e-9);
-        for [a, b] in [[&unfolded, &whole], [&sector, &whole], [&whole, &sector]] {
+        for [a, b] in [[&sector, &whole], [&whole, &sector]] {
             let comparison = Comparison::new(a, b).expect("the same directions");
             assert_eq!(comparison.rows.len(), 2 * 24);
             assert!(comparison.agrees());
@@ -102,9 +104,12 @@ fn an_unfolded_table_is_that_of_its_azimuths() {
         }
         assert!(sector.unfolded(&[7.0]).is_none());
         let few = table(&cell, "0,20", "0,15");
-        assert!(Comparison::new(&few, &whole).is_err(), "directions would be left out");
+        assert!(
+            Comparison::new(&few, &whole).is_err(),
+            "directions would be left out"
+        );
     }
-    assert_eq!(compared, 3 * 3 * 48);
+    assert_eq!(compared, 3 * 2 * 48);
 }
 
 /// Returns the largest difference of two histograms.

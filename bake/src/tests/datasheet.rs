@@ -322,7 +322,8 @@ fn cells_without_corners_have_maps_alone() {
 
 #[test]
 fn conditions_out_of_range_are_refused_by_name() {
-    let cases: [(&str, fn(&mut DatasheetRequest)); 10] = [
+    type Change = fn(&mut DatasheetRequest);
+    let cases: [(&str, Change); 10] = [
         ("--refractive-index", |own| own.refractive_index = Some(0.5)),
         ("--wavelength-nm", |own| own.wavelength_nm = f64::NAN),
         ("--step", |own| own.step_deg = 0.0),
