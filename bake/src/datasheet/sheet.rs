@@ -83,7 +83,6 @@ pub struct Datasheet {
 ///
 /// `coordinate_step` is the coarsest step of the coordinates in the file, file units; `None` if they
 /// have the digits of f64. `progress` is told one for each azimuth of a map and for each tolerance.
-/// [`steps`] is the sum.
 ///
 /// # Errors
 /// Returns an [`Error`] if a condition is out of range, if the cell has facets that the exact method
