@@ -36,7 +36,7 @@ a and mu have one value per incidence, as in real sheets; per_angle = [] in
 wavelength_nm for the kernel wave. Each combination is photographed once, or up
 to `repeat` times of [choices]. [camera] takes the keys of `fit simulate`.
 
-  fit plan plan.toml --table pair.h5 -o captures.toml
+  fit plan plan.toml --table pair.h5 -o planned.toml
   fit plan plan.toml --table pair.h5 --given result.json
 
 The manifest names the photographs to take; the second line says what more of
@@ -55,8 +55,8 @@ pub(crate) struct Arguments {
     /// Of a parameter with one value per incidence nothing is taken.
     #[arg(long, value_name = "RESULT.json")]
     pub given: Option<PathBuf>,
-    /// File that receives the manifest to fill in.
-    #[arg(short, long, value_name = "CAPTURES.toml")]
+    /// File that receives the manifest to fill in; it must not exist yet.
+    #[arg(short, long, value_name = "FILE.toml")]
     pub output: Option<PathBuf>,
     /// Prints the plan as one JSON object.
     #[arg(long)]
@@ -72,6 +72,11 @@ pub(crate) struct Arguments {
 /// Fails if the plan, the table or the result cannot be used, if the table lacks a direction, or if
 /// the manifest cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    // A manifest is written by hand, so none is replaced.
+    if let Some(file) = arguments.output.as_deref().filter(|file| file.exists()) {
+        let message = format!("{}: exists already; name another file", file.display());
+        return Err(Failure::conflict("fit plan", message));
+    }
     let inputs = [&arguments.plan, &arguments.table].into_iter();
     let inputs = inputs.chain(&arguments.given).map(PathBuf::as_path);
     let mut outputs = Outputs::beside(inputs);
