@@ -48,7 +48,7 @@ def needed(name: str) -> Any:
 
 def colours(one: Picture | File, name: str, transfer: str | None = None) -> _Floats:
     """Return linear light of a file or an array, shape (1 or 3, rows, columns)."""
-    light: Any = picture(one, transfer) if is_file(one) else one  # type: ignore[arg-type]
+    light: Any = picture(one, transfer) if is_file(one) else one
     return planes(light, name)[1]
 
 
