@@ -79,7 +79,7 @@ pub use edges::photographs::photo::exif::Settings;
 pub use edges::photographs::photo::in_memory::InMemory;
 pub use edges::photographs::photo::load as load_photo;
 pub use edges::photographs::photo::load_colour;
-pub use edges::photographs::photo::picture::{Picture, Writing};
+pub use edges::photographs::photo::picture::Picture;
 pub use edges::photographs::photo::plane::Photo;
 pub use edges::photographs::photo::taken::Taken;
 pub use edges::photographs::photo::transfer::Transfer;
@@ -104,3 +104,5 @@ pub use estimator::result::TableResult;
 pub use lab::simulate::Params as SimulationParams;
 #[cfg(feature = "full")]
 pub use lab::study::Ranges as StudyRanges;
+#[cfg(feature = "full")]
+pub use pictures::images::Writing;

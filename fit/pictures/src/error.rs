@@ -15,11 +15,13 @@ use crate::images::render::psf::LARGEST;
 )]
 #[non_exhaustive]
 pub enum Error {
-    /// Output file that ends neither in .exr nor in .png.
-    #[error("{}: an image is written as .exr or .png; give one of these endings", .0.display())]
+    /// Output file with another ending.
+    #[error("{}: an image is written as .exr, .png, .tif or .jpg; give one of these endings",
+        .0.display())]
     Ending(PathBuf),
     /// Image that the encoder cannot write, and its message.
-    #[error("{}: the image could not be encoded ({}); try the other of .exr and .png",
+    #[error("{}: the image could not be encoded ({}); try another of .exr, .png, \
+        .tif and .jpg",
         .0.display(), .1)]
     Encode(PathBuf, String),
     /// Sheet without a blur at this place.

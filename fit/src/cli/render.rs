@@ -17,7 +17,7 @@ use crate::cli::output;
 use crate::cli::progress::Bar;
 use edges::names::Family;
 use edges::photographs::photo;
-use edges::photographs::photo::picture::{Picture, Writing};
+use edges::photographs::photo::picture::Picture;
 use edges::photographs::photo::transfer::Transfer;
 use estimator::estimate::Forward;
 use estimator::predict::Fitted;
@@ -25,7 +25,7 @@ use estimator::result::ResultFile;
 use pictures::images::mid_air::{Exposure, Look, MidAir, Seconds, clipped};
 use pictures::images::render::camera::Camera;
 use pictures::images::render::view::CameraView;
-use pictures::images::{RenderStep, Scale, Viewpoint};
+use pictures::images::{RenderStep, Scale, Viewpoint, Writing};
 
 /// Renders the mid-air image of a picture: blurred and dimmed by the fitted sheet.
 #[derive(Debug, clap::Args)]
@@ -261,10 +261,10 @@ pub(crate) struct Arguments {
     /// They are energy, contrast against the ambient light, angles, distance, errors and seconds.
     #[arg(long, help_heading = "Output and threads")]
     pub json: bool,
-    /// File that receives the image, .exr or .png.
+    /// File that receives the image: .exr, .png, .tif or .jpg.
     ///
-    /// An .exr is linear, in 32-bit floats. A .png has 16 bits. It is linear
-    /// if the source is, else sRGB, and names this in a chunk.
+    /// An .exr is linear, in 32-bit floats. A .png or .tif has 8 bits in sRGB, or 16 bits of linear
+    /// light if the source is linear; a .png names this in a chunk. A .jpg is in sRGB.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 }
@@ -422,5 +422,5 @@ fn encoded(
     arguments: &Arguments,
 ) -> Result<Vec<u8>, pictures::Error> {
     let failed = |message| pictures::Error::Encode(arguments.output.clone(), message);
-    image.encode(writing).map_err(failed)
+    writing.bytes(image).map_err(failed)
 }

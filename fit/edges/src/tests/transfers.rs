@@ -7,7 +7,6 @@ use image::{DynamicImage, ImageBuffer, ImageEncoder, Luma, Rgb};
 
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
-use crate::photographs::photo::picture::{Picture, Writing};
 use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::{Estimator, crossing, measure};
 use crate::tests::photographs as edges;
@@ -577,38 +576,6 @@ fn damaged_profiles_cause_no_panic() {
     println!("{read} read, {refused} refused");
     assert_eq!(read + refused, 3 * whole.len());
     assert!(read > 100 && refused > 100, "{read} {refused}");
-}
-
-/// A PNG that is written says which transfer it has, so it is read again without being told.
-#[test]
-fn a_written_png_names_its_transfer() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let file = folder.path().join("written.png");
-    let light: Vec<f32> = (0..48).map(|i| i as f32 / 60.0).collect();
-    for (transfer, words) in [
-        (Transfer::Linear, "linear (gAMA chunk)"),
-        (Transfer::Srgb, "sRGB (sRGB chunk)"),
-    ] {
-        for planes in [1, 3] {
-            let picture = Picture {
-                width: 8,
-                height: 6,
-                planes: vec![light.clone(); planes],
-                transfer,
-                warnings: Vec::new(),
-            };
-            let bytes = picture.clone().encode(Writing::Png).expect("it has pixels");
-            std::fs::write(&file, bytes).expect("the folder takes files");
-            let again = photo::load_colour(&file, None).expect("it is a picture");
-            assert_eq!((again.transfer, again.planes.len()), (transfer, planes));
-            for (a, b) in again.planes.iter().flatten().zip(light.iter().cycle()) {
-                // Half a step of 16 bits, times the slope of the sRGB curve, at most 2.3.
-                assert!((a - b).abs() < 2.3 * 0.5 / 65535.0 + 1e-6, "{a} {b}");
-            }
-            let photo = photo::load(&file, &decode(None)).expect("it is a picture");
-            assert_eq!(photo.transfer.to_string(), words);
-        }
-    }
 }
 
 /// Frequency at which the MTF of a file is one half, cycles per pixel.

@@ -3,6 +3,7 @@
 //! A picture, a result and a table enter. A rendered picture leaves.
 
 pub(crate) mod exposure;
+mod file;
 pub mod mid_air;
 mod plane;
 mod progress;
@@ -11,6 +12,7 @@ mod sheet;
 pub mod shown;
 mod spot;
 
+pub use file::Writing;
 pub use progress::{RenderProgress, RenderStep, SILENT};
 pub use render::Scale;
 #[cfg(test)]

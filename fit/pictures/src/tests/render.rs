@@ -10,10 +10,10 @@ use crate::images::render;
 use crate::images::render::psf::Psf;
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
-use crate::images::{SILENT, Sampler, Sheet, Spot, TAIL, Viewpoint};
+use crate::images::{SILENT, Sampler, Sheet, Spot, TAIL, Viewpoint, Writing};
 use edges::names::Kernel;
 use edges::names::LobeShape;
-use edges::photographs::photo::picture::{Picture, Writing};
+use edges::photographs::photo::picture::Picture;
 use edges::photographs::photo::transfer::Transfer;
 use estimator::Error;
 use estimator::predict::Fitted;
@@ -314,8 +314,8 @@ fn the_bytes_do_not_depend_on_the_threads() {
     };
     let (one, three) = (render(1), render(3));
     assert_eq!(one.planes.len(), 3);
-    for writing in [Writing::Exr, Writing::Png] {
-        let bytes = |image: &Picture| image.clone().encode(writing).unwrap();
+    for writing in [Writing::Exr, Writing::Png, Writing::Tiff, Writing::Jpeg] {
+        let bytes = |image: &Picture| writing.bytes(image.clone()).unwrap();
         assert_eq!(bytes(&one), bytes(&three));
     }
 }
@@ -409,32 +409,60 @@ fn pictures_come_back_from_their_files() {
         let mut own = picture(13, 9, 0);
         own.planes.truncate(planes);
         own.transfer = transfer;
-        for (name, writing) in [("a.exr", Writing::Exr), ("a.png", Writing::Png)] {
+        for (name, writing) in [
+            ("a.exr", Writing::Exr),
+            ("a.png", Writing::Png),
+            ("a.tif", Writing::Tiff),
+        ] {
             let file = folder.path().join(name);
             assert_eq!(Writing::of(&file), Some(writing));
-            std::fs::write(&file, own.clone().encode(writing).unwrap()).unwrap();
-            let read = edges::photographs::photo::load_colour(&file, Some(transfer)).unwrap();
+            std::fs::write(&file, writing.bytes(own.clone()).unwrap()).unwrap();
+            // The file itself says or implies what its values mean.
+            let read = edges::photographs::photo::load_colour(&file, None).unwrap();
             assert_eq!(
                 [read.width, read.height, read.planes.len()],
                 [13, 9, planes]
             );
+            assert!(writing == Writing::Exr || read.transfer == transfer);
             for (read, own) in read
                 .planes
                 .iter()
                 .flatten()
                 .zip(own.planes.iter().flatten())
             {
-                // Half a code of 65535; the sRGB curve is steepest in light with 2.28 times that.
-                // EXR is exact.
-                let allowed = if writing == Writing::Exr {
-                    0.0
-                } else {
-                    2.3 * 0.5 / 65535.0 + 1e-6
+                // EXR is exact. Else half a code; the slope of light by sRGB is at most 2.28.
+                let allowed = match (writing, transfer) {
+                    (Writing::Exr, _) => 0.0,
+                    (_, Transfer::Linear) => 0.5 / 65535.0 + 1e-6,
+                    (_, Transfer::Srgb) => 2.3 * 0.5 / 255.0 + 1e-6,
                 };
                 assert!((read - own).abs() <= allowed, "{read} {own}");
                 cases += 1;
             }
         }
     }
-    assert_eq!(cases, 2 * 7 * 13 * 9);
+    assert_eq!(cases, 3 * 7 * 13 * 9);
+}
+
+/// A JPEG is in sRGB whatever the source was: an even picture keeps its light.
+#[test]
+fn a_jpeg_shows_the_light_of_a_linear_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.jpeg");
+    for planes in [1, 3] {
+        let light = [0.5_f32, 0.25, 0.125];
+        let own = Picture {
+            planes: light[..planes].iter().map(|&v| vec![v; 13 * 9]).collect(),
+            ..picture(13, 9, 0)
+        };
+        std::fs::write(&file, Writing::Jpeg.bytes(own).unwrap()).unwrap();
+        let read = edges::photographs::photo::load_colour(&file, None).unwrap();
+        assert_eq!(read.planes.len(), planes);
+        for (plane, light) in read.planes.iter().zip(light) {
+            // Three roundings to 255 codes: of the value, of luma and of colour differences, which
+            // count up to 1.8 times; the slope of light by sRGB is at most 2.28.
+            let allowed = 2.28 * 0.5 * (1.0 + 1.0 + 1.8) / 255.0;
+            assert!(plane.iter().all(|v| (v - light).abs() < allowed), "{light}");
+        }
+    }
 }

@@ -56,7 +56,7 @@ fn sources(folder: &Path) -> [&'static str; 4] {
     };
     std::fs::write(
         folder.join("bright.exr"),
-        bright.encode(Writing::Exr).unwrap(),
+        Writing::Exr.bytes(bright).unwrap(),
     )
     .unwrap();
     ["grey.png", "colour.png", "photo.jpg", "bright.exr"]
@@ -212,7 +212,7 @@ fn a_picture_under_a_very_wide_blur_gets_fewer_pixels() {
     };
     std::fs::write(
         here.join("coarse.exr"),
-        coarse.clone().encode(Writing::Exr).unwrap(),
+        Writing::Exr.bytes(coarse.clone()).unwrap(),
     )
     .unwrap();
     let render = |source: &str, size: &str, to: &str| {

@@ -1,9 +1,10 @@
 //! Warnings about an image that was rendered.
 
+use crate::images::Writing;
 use crate::images::mid_air::facts::range;
 use crate::images::mid_air::image::Rendered;
 use crate::images::render::camera::Camera;
-use edges::photographs::photo::picture::{Picture, Writing};
+use edges::photographs::photo::picture::Picture;
 use estimator::predict::{Fitted, between};
 
 /// Returns the warnings about the source and its blur.
@@ -101,7 +102,7 @@ pub(super) fn beyond_the_rim(source: &Picture, rendered: &Rendered) -> Option<St
 /// Returns the warning for an image that is brighter than its file can hold.
 pub fn clipped(image: &Picture, writing: Writing) -> Option<String> {
     let clipped = image.above_white();
-    (writing == Writing::Png && clipped > 0).then(|| {
+    (writing != Writing::Exr && clipped > 0).then(|| {
         format!(
             "{clipped} values are above 1 and were clipped; write .exr, or give a smaller \
             --exposure"
