@@ -267,7 +267,7 @@ pub(super) fn made(
     source: Option<(&Path, &Picture)>,
     step: &(dyn Fn(usize) + Sync),
 ) -> Result<Made, Failure> {
-    let mut warnings = sheet.warnings("");
+    let mut warnings = sheet.warnings();
     let span = arguments.span(sheet.result)?;
     if let Some((_, picture)) = source {
         warnings.extend(picture.warnings.iter().cloned());

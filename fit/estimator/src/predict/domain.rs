@@ -95,8 +95,8 @@ pub(crate) fn outside(domain: &Domain, symmetry: Symmetry, place: &Viewpoint) ->
     keys.collect()
 }
 
-/// Returns remarks on predictions at some places, one sentence each: the warnings of the result
-/// (those about waves first), the quantities in which the places lie outside of the photographs,
+/// Returns remarks on predictions at some places, one sentence each: what must be known of waves,
+/// that the result has warnings, the quantities in which the places lie outside of the photographs,
 /// and what an older result does not say.
 ///
 /// # Errors
@@ -106,11 +106,16 @@ pub fn remarks(
     table: &Table,
     places: &[Viewpoint],
 ) -> Result<Vec<String>, Error> {
-    let before = match result.is_by_hand() {
-        true => "",
-        false => "the result warns: ",
-    };
-    let mut remarks = Fitted { result, table }.warnings(before);
+    let [mut remarks, own] = Fitted { result, table }.warnings_apart();
+    // `fit estimate` printed the warnings of photographs; every prediction would print them again.
+    match own.len() {
+        _ if result.is_by_hand() => remarks.extend(own),
+        0 => {}
+        1 => remarks.push("the result has a warning (its key warnings)".into()),
+        count => remarks.push(format!(
+            "the result has {count} warnings (its key warnings)"
+        )),
+    }
     if let (true, Some(baked), Some(source)) = (
         result.is_by_hand(),
         table.provenance.wavelength_nm,

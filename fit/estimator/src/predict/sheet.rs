@@ -53,20 +53,25 @@ impl<'a> Fitted<'a> {
         })
     }
 
-    /// Returns the warnings of the result, each with `before` in front of it.
-    ///
-    /// What must be known of its waves comes first, also for a result that does not say it.
-    pub fn warnings(&self, before: &str) -> Vec<String> {
+    /// Returns the warnings of the result. What must be known of its waves comes first, also for a
+    /// result that does not say it.
+    pub fn warnings(&self) -> Vec<String> {
+        let [mut warnings, others] = self.warnings_apart();
+        warnings.extend(others);
+        warnings
+    }
+
+    /// Returns what must be known of the waves of the result, and its other warnings.
+    pub(crate) fn warnings_apart(&self) -> [Vec<String>; 2] {
         let Fitted { result, table } = self;
         let c_mm = result.c_mm.as_ref().and_then(|c| c.value);
-        let mut warnings = match (result.kernel, &result.wavelength_nm, c_mm) {
+        let waves = match (result.kernel, &result.wavelength_nm, c_mm) {
             (Kernel::Wave, Some(spectrum), Some(c_mm)) => wave::remarks(table, spectrum, c_mm),
             _ => Vec::new(),
         };
-        let others = result.warnings.iter().filter(|own| !warnings.contains(own));
-        let others: Vec<String> = others.map(|own| format!("{before}{own}")).collect();
-        warnings.extend(others);
-        warnings
+        let others = result.warnings.iter().filter(|own| !waves.contains(own));
+        let others = others.cloned().collect();
+        [waves, others]
     }
 
     /// Returns spread, corner size and angular spread at an incidence, or the roughnesses of a

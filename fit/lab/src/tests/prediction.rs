@@ -345,7 +345,7 @@ fn remarks_name_what_leaves_the_photographs() {
         ),
     ] {
         let found = remarks(&result, &table, &[place]).unwrap();
-        assert_eq!(found[0], "the result warns: the reference is unsharp");
+        assert!(found[0].starts_with("the result has a warning"));
         assert_eq!(found.len(), 1 + said.len(), "{found:?}");
         for (remark, said) in found[1..].iter().zip(said) {
             assert!(remark.starts_with(said), "{remark}");

@@ -248,7 +248,7 @@ fn data<'a>(explorer: &'a Explorer<'_>, grid: &'a Grid, misfit: Misfit, places: 
         misfit: [misfit.pixel, misfit.peak],
         goal: search::WANTED,
         letter: Criterion::USUAL,
-        warnings: explorer.sheet.warnings(""),
+        warnings: explorer.sheet.warnings(),
         source: explorer.source.as_ref().map(|source| {
             let address = format!("data:image/png;base64,{}", STANDARD.encode(&source.png));
             [source.name.clone(), address]
