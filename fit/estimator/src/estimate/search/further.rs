@@ -1,14 +1,15 @@
 //! The choice of further blurs: one of the camera that the reference does not have, and an angular
 //! spread of the sheet.
 //!
-//! They are tried after the kernel is chosen. At the optimum of a candidate, one evaluation tells by
-//! how much a step of Gauss and Newton along their columns would lower the sum of squares. Only
+//! They are tried after the kernel is chosen. At the optimum of a candidate, one evaluation tells
+//! by how much a step of Gauss and Newton along their columns would lower the sum of squares. Only
 //! where that is near what the criterion asks for, or beats the best candidate, the candidate is
 //! fitted with them. Where no candidate describes the photographs, all are fitted with them from
-//! their starting points, to the MTFs. So photographs of an ideal sheet through one lens cost one evaluation for each
-//! candidate. A further blur is kept if the criterion falls by more than [`CLEAR`] below that of all
-//! candidates without one, and if it differs from 0 by [`SURE`] stated errors, which contain that
-//! of the lens by every loss. An angular spread has to be a spread: its variance is positive.
+//! their starting points, to the MTFs. So photographs of an ideal sheet through one lens cost one
+//! evaluation for each candidate. A further blur is kept if the criterion falls by more than
+//! [`CLEAR`] below that of all candidates without one, and if it differs from 0 by [`SURE`] stated
+//! errors, which contain that of the lens by every loss. An angular spread has to be a spread: its
+//! variance is positive.
 //!
 //! A blur that differs from 0 by [`HINT`] errors, and not by what the criterion asks for, is not
 //! taken. It may still have moved c by several stated errors, because c and a blur look alike: a step
@@ -314,13 +315,8 @@ pub(crate) fn added<'a>(
         let all = rows.iter().map(|row| criteria.of(row, misfit));
         all.fold(f64::INFINITY, f64::min)
     };
-    // A mistake in the manifest also leaves what a blur lessens a little. Of a large misfit a blur
-    // has to explain half.
     let before = criteria.misfit(selection.compared.iter());
-    let explains = |row: &Ranked| {
-        let left = criteria.misfit(std::iter::once(row)) - 1.0;
-        before <= FAR || left <= EXPLAINED * (before - 1.0)
-    };
+    let explains = |row| explains(before, criteria.misfit(std::iter::once(row)));
     let (plain, widened) = (least(&selection.compared), least(&rows));
     let mut order: Vec<usize> = (0..rows.len())
         .filter(|&i| {
@@ -364,7 +360,7 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
     };
     let misfit = criteria.misfit(compared.iter());
     if misfit > FAR {
-        return from_the_start(scene, loss, compared);
+        return from_the_start(scene, loss, compared, misfit);
     }
     let least = compared.first().map_or(f64::NAN, |row| row.criterion);
     // The chosen candidate comes first.
@@ -413,8 +409,9 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
 
 /// Fits candidates with further blurs where none without describes the photographs: steps from a fit
 /// that is far off lead nowhere. All candidates are fitted to the MTFs from their starting points,
-/// and by the loss the best few of those that explain enough of the misfit there.
-fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked]) -> Vec<Optimum> {
+/// and by the loss the best few of those that explain enough of the misfit there, until one does not
+/// explain enough of `misfit`.
+fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) -> Vec<Optimum> {
     const FEW: usize = 3;
     let plain = compared.par_iter().map(|row| rough(scene, row.choice));
     let plain = plain.map(|fit| fit.reduced_chi2());
@@ -428,12 +425,26 @@ fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked]) -> Vec<Optimu
         fit.solution.stop != Stop::Failed && left <= EXPLAINED * (plain - 1.0)
     });
     fits.sort_by(|a, b| a.criterion(1.0).total_cmp(&b.criterion(1.0)));
-    let best = fits.into_iter().take(FEW);
-    let fits = best.map(|fit| refined(scene, loss, fit));
-    let found = fits.filter(|fit| {
-        fit.solution.stop != Stop::Failed && fit.solution.sum_of_squares().is_finite()
-    });
-    found.collect()
+    let mut found = Vec::new();
+    for fit in fits.into_iter().take(FEW) {
+        let fit = refined(scene, loss, fit);
+        if fit.solution.stop == Stop::Failed || !fit.solution.sum_of_squares().is_finite() {
+            continue;
+        }
+        // By the MTFs, those that follow are farther off still.
+        if !explains(misfit, fit.reduced_chi2()) {
+            break;
+        }
+        found.push(fit);
+    }
+    found
+}
+
+/// Returns whether a blur that leaves the misfit `left` explains the misfit `before`. A mistake in
+/// the manifest also leaves what a blur lessens a little. Of a large misfit a blur has to explain
+/// half.
+fn explains(before: f64, left: f64) -> bool {
+    before <= FAR || left - 1.0 <= EXPLAINED * (before - 1.0)
 }
 
 /// Returns whether each further blur of an estimate differs from 0 by [`SURE`] standard errors, and
