@@ -1,7 +1,8 @@
 //! A sheet whose numbers are given by hand, for who has no fit of it.
 
 use crate::estimate::{Bounds, Forward, Kind};
-use crate::result::report::{CameraResult, Covariance, Number, Parameter, ResultFile};
+use crate::result::parameter::{Number, Parameter};
+use crate::result::report::{CameraResult, Covariance, ResultFile};
 use crate::result::table::TableResult;
 use edges::names::{Family, Kernel, LobeShape, Spectrum, Stray};
 

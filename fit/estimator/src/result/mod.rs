@@ -1,27 +1,29 @@
 //! RESULT.json: an estimate, written to a file and read from it.
 //!
 //! An estimate and its table enter. A structure leaves whose fields are the keys of the file. The
-//! module computes nothing but the scatter of several results. It knows parameters as types; their text form (`a_per_mm_at_20`) exists
-//! only in the file.
+//! module computes nothing but the scatter of several results, and the width of the lobe against
+//! diffraction. It knows parameters as types; their text form (`a_per_mm_at_20`) exists only in the
+//! file.
 
 pub mod agreement;
 mod by_hand;
+mod diffraction;
 mod domain;
 mod nominal;
+mod parameter;
 mod quality;
 pub(crate) mod report;
 mod table;
 pub mod truth;
 
 pub use by_hand::{ByHand, Spread};
+pub use diffraction::WidthResult;
 pub use domain::Domain;
 pub use nominal::Nominal;
+pub use parameter::{AtAngle, Number, Parameter, Part};
 pub use quality::FitResult;
 pub use report::ResultFile;
 pub use report::sharing;
-pub use report::{
-    AtAngle, CameraResult, Candidate, CaptureResult, Number, Parameter, Part, WidthResult,
-};
+pub use report::{CameraResult, Candidate, CaptureResult};
 pub use table::TableResult;
-
 pub use truth::Truth;

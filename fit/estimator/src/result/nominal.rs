@@ -9,7 +9,8 @@ use std::path::Path;
 use tables::Table;
 
 use crate::result::by_hand::{ByHand, NOMINAL, Spread};
-use crate::result::report::{AtAngle, Parameter, ResultFile};
+use crate::result::parameter::{AtAngle, Parameter};
+use crate::result::report::ResultFile;
 use crate::result::table::TableResult;
 use edges::names::Spectrum;
 

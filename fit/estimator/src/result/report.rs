@@ -13,134 +13,17 @@ use crate::estimate::Kind;
 use crate::estimate::Ranked;
 use crate::estimate::Unverified;
 use crate::estimate::Value;
-use crate::estimate::search::compared;
 use crate::estimate::{Aerial, Scene};
 use crate::model::{Camera, Lens, polarised};
+use crate::result::diffraction::{WidthResult, widths};
 use crate::result::domain::Domain;
+use crate::result::parameter::{AtAngle, Number, Parameter};
 use crate::result::quality::FitResult;
 use crate::result::table::TableResult;
 use crate::samples::Sampling;
 use edges::names::{Family, Kernel};
 use edges::names::{LobeShape, Polarisation, Spectrum, Stray};
 use edges::names::{ParameterId, ParameterKind};
-
-/// Parameter with one number for all incidence angles, or with one per angle.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Parameter {
-    /// One number per incidence angle.
-    PerAngle {
-        /// Numbers in ascending order of incidence.
-        per_angle: Vec<AtAngle>,
-    },
-    /// One number for all incidence angles.
-    Shared(Number),
-}
-
-/// Width of the fitted lobe over that of the diffraction by the aperture of the fitted cubes, as the
-/// ratio of the frequencies at which their OTFs are 1/2.
-///
-/// About 1: diffraction explains the lobe. Above it something else blurs too; below it c is too small
-/// for this lobe.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct WidthResult {
-    /// Incidence, degrees.
-    pub incidence_deg: f64,
-    /// Ratio of the widths.
-    pub lobe_to_diffraction: f64,
-}
-
-/// Number with its error.
-///
-/// The value is null if the photographs give only a bound (see [`ResultFile::bounds`]).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Number {
-    /// Estimate.
-    pub value: Option<f64>,
-    /// Standard error: one standard deviation.
-    pub standard_error: Option<f64>,
-}
-
-/// Number at one incidence angle, with its error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct AtAngle {
-    /// Incidence, degrees.
-    pub incidence_deg: f64,
-    /// Estimate.
-    pub value: Option<f64>,
-    /// Standard error: one standard deviation.
-    pub standard_error: Option<f64>,
-}
-
-impl Number {
-    /// Number that is not known.
-    pub const UNKNOWN: Number = Number {
-        value: None,
-        standard_error: None,
-    };
-}
-
-impl Parameter {
-    /// Returns the value at an incidence angle.
-    ///
-    /// It is linear between the fitted angles and constant beyond them. It is `None` if a value
-    /// that it needs is null.
-    pub fn at(&self, incidence_deg: f64) -> Option<f64> {
-        let parts = self.parts(incidence_deg);
-        let of = |part: &Part| Some(part.weight * part.value?);
-        (!parts.is_empty()).then(|| parts.iter().map(of).sum())?
-    }
-
-    /// Returns the numbers whose weighted mean is the value at an incidence angle.
-    pub(crate) fn parts(&self, incidence_deg: f64) -> Vec<Part> {
-        let per_angle = match self {
-            Parameter::Shared(number) => {
-                return vec![Part {
-                    incidence_deg: None,
-                    value: number.value,
-                    weight: 1.0,
-                }];
-            }
-            Parameter::PerAngle { per_angle } => per_angle,
-        };
-        let part = |number: &AtAngle, weight: f64| Part {
-            incidence_deg: Some(number.incidence_deg),
-            value: number.value,
-            weight,
-        };
-        let beyond = |number: &AtAngle| number.incidence_deg >= incidence_deg;
-        match per_angle.iter().position(beyond) {
-            Some(0) => vec![part(&per_angle[0], 1.0)],
-            None => per_angle
-                .last()
-                .map(|last| part(last, 1.0))
-                .into_iter()
-                .collect(),
-            Some(i) => {
-                let (a, b) = (&per_angle[i - 1], &per_angle[i]);
-                let whole = b.incidence_deg - a.incidence_deg;
-                let weights = [
-                    b.incidence_deg - incidence_deg,
-                    incidence_deg - a.incidence_deg,
-                ];
-                let [of_a, of_b] = weights.map(|weight| weight / whole);
-                let parts = [part(a, of_a), part(b, of_b)];
-                parts.into_iter().filter(|part| part.weight > 0.0).collect()
-            }
-        }
-    }
-}
-
-/// Part of a parameter's value at an incidence angle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Part {
-    /// Incidence that the number belongs to, degrees; `None` if all angles share it.
-    pub incidence_deg: Option<f64>,
-    /// Estimate.
-    pub value: Option<f64>,
-    /// Share of the number in the value.
-    pub weight: f64,
-}
 
 /// Covariance of the parameters, with rows and columns in the order of `names`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -476,29 +359,6 @@ impl ResultFile {
 }
 
 impl ResultFile {
-    /// Says in a sentence how the lobe compares with the diffraction of the cubes; nothing where this
-    /// is not known.
-    pub fn diffraction_in_words(&self) -> Option<String> {
-        let ratios = self.diffraction.iter().map(|own| own.lobe_to_diffraction);
-        let [least, most] = ratios.fold([f64::INFINITY, 0.0_f64], |[least, most], own| {
-            [least.min(own), most.max(own)]
-        });
-        let about = match [format!("{least:.2}"), format!("{most:.2}")] {
-            _ if self.diffraction.is_empty() => return None,
-            [least, most] if least == most => least,
-            [least, most] => format!("{least} to {most}"),
-        };
-        let what = match (least, most) {
-            (1.1.., _) => "something else blurs too, such as errors of the cubes or a rough front",
-            (_, ..0.9) => "c is too small for so narrow a lobe, or the wavelength too long",
-            (0.9.., ..1.1) => "diffraction explains it",
-            _ => "diffraction alone explains no such lobe",
-        };
-        Some(format!(
-            "the lobe is {about} times as wide as the diffraction of the cubes' aperture: {what}"
-        ))
-    }
-
     /// Returns a table of the sheet as the light of the setup sees it. Predictions take this one.
     ///
     /// # Errors
@@ -508,52 +368,6 @@ impl ResultFile {
         let in_mirror = self.seen_in_mirror.unwrap_or(true);
         polarised::seen(table, self.polarisation.as_ref(), in_mirror)
     }
-}
-
-/// Compares the lobe with the diffraction of the aperture, at each incidence at which a photograph
-/// was taken; nothing without a lobe, c and wavelengths.
-fn widths(scene: &Scene, best: &Estimate) -> Vec<WidthResult> {
-    let kernel = best.choice.kernel;
-    let (Some(c_mm), true) = (
-        best.c_mm.as_ref(),
-        kernel.has_lobe() && !kernel.is_baseline(),
-    ) else {
-        return Vec::new();
-    };
-    let width = |&incidence_deg: &f64| {
-        let shot = (scene.shots.iter()).find(|shot| shot.incidence_deg == incidence_deg)?;
-        let line = shot.direction.wave.as_ref().ok()?;
-        let model = compared::model(shot, best.choice);
-        let spread = best.spread.get(shot.group).or(best.spread.first())?.value;
-        let lobe = |f: f64| model.lobe_otf(spread, f)[0];
-        let aperture = |f: f64| line.diffraction(c_mm.value, shot.r_mm, f);
-        Some(WidthResult {
-            incidence_deg,
-            lobe_to_diffraction: half(&aperture)? / half(&lobe)?,
-        })
-    };
-    scene.groups.iter().filter_map(width).collect()
-}
-
-/// Returns the frequency at which a falling curve is 1/2, 1/mm, to a millionth of itself.
-fn half(curve: &dyn Fn(f64) -> f64) -> Option<f64> {
-    let mut high = 1e-4;
-    while curve(high) > 0.5 {
-        high *= 2.0;
-        if high > 1e5 {
-            return None;
-        }
-    }
-    let mut low = 0.5 * high;
-    while high - low > 1e-6 * high {
-        let middle = f64::midpoint(low, high);
-        if curve(middle) > 0.5 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    Some(high)
 }
 
 /// Returns the OTF of each lens of a camera at frequencies up to 1.5 cycles per pixel. They are as
@@ -728,43 +542,5 @@ fn capture(shot: &Aerial, modelled: &[f64], loss: f64) -> CaptureResult {
             standard_error: view.mtf_standard_error.clone(),
             modelled: modelled.to_vec(),
         },
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Compares values between and beyond the fitted angles with values calculated by hand. All
-    /// numbers are short binary fractions, so the results are exact.
-    #[test]
-    fn a_value_between_two_angles_has_the_weights_of_a_straight_line() {
-        let at = |incidence_deg: f64, value: f64| AtAngle {
-            incidence_deg,
-            value: Some(value),
-            standard_error: None,
-        };
-        let parameter = Parameter::PerAngle {
-            per_angle: vec![at(0.0, 3.0), at(40.0, 7.0), at(50.0, 2.0)],
-        };
-        for (incidence_deg, expected) in [
-            (-5.0, 3.0),
-            (0.0, 3.0),
-            // 3/4 of 3 and 1/4 of 7.
-            (10.0, 4.0),
-            (20.0, 5.0),
-            (35.0, 6.5),
-            (40.0, 7.0),
-            // 3/4 of 7 and 1/4 of 2.
-            (42.5, 5.75),
-            (50.0, 2.0),
-            (60.0, 2.0),
-        ] {
-            assert_eq!(
-                parameter.at(incidence_deg),
-                Some(expected),
-                "{incidence_deg}"
-            );
-        }
     }
 }

@@ -1,0 +1,146 @@
+//! Parameters of a result: one number for all incidences, or one at each.
+
+use serde::{Deserialize, Serialize};
+
+/// Parameter with one number for all incidence angles, or with one per angle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Parameter {
+    /// One number per incidence angle.
+    PerAngle {
+        /// Numbers in ascending order of incidence.
+        per_angle: Vec<AtAngle>,
+    },
+    /// One number for all incidence angles.
+    Shared(Number),
+}
+
+/// Number with its error.
+///
+/// The value is null if the photographs give only a bound (see [`ResultFile::bounds`]).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Number {
+    /// Estimate.
+    pub value: Option<f64>,
+    /// Standard error: one standard deviation.
+    pub standard_error: Option<f64>,
+}
+
+/// Number at one incidence angle, with its error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AtAngle {
+    /// Incidence, degrees.
+    pub incidence_deg: f64,
+    /// Estimate.
+    pub value: Option<f64>,
+    /// Standard error: one standard deviation.
+    pub standard_error: Option<f64>,
+}
+
+impl Number {
+    /// Number that is not known.
+    pub const UNKNOWN: Number = Number {
+        value: None,
+        standard_error: None,
+    };
+}
+
+impl Parameter {
+    /// Returns the value at an incidence angle.
+    ///
+    /// It is linear between the fitted angles and constant beyond them. It is `None` if a value
+    /// that it needs is null.
+    pub fn at(&self, incidence_deg: f64) -> Option<f64> {
+        let parts = self.parts(incidence_deg);
+        let of = |part: &Part| Some(part.weight * part.value?);
+        (!parts.is_empty()).then(|| parts.iter().map(of).sum())?
+    }
+
+    /// Returns the numbers whose weighted mean is the value at an incidence angle.
+    pub(crate) fn parts(&self, incidence_deg: f64) -> Vec<Part> {
+        let per_angle = match self {
+            Parameter::Shared(number) => {
+                return vec![Part {
+                    incidence_deg: None,
+                    value: number.value,
+                    weight: 1.0,
+                }];
+            }
+            Parameter::PerAngle { per_angle } => per_angle,
+        };
+        let part = |number: &AtAngle, weight: f64| Part {
+            incidence_deg: Some(number.incidence_deg),
+            value: number.value,
+            weight,
+        };
+        let beyond = |number: &AtAngle| number.incidence_deg >= incidence_deg;
+        match per_angle.iter().position(beyond) {
+            Some(0) => vec![part(&per_angle[0], 1.0)],
+            None => per_angle
+                .last()
+                .map(|last| part(last, 1.0))
+                .into_iter()
+                .collect(),
+            Some(i) => {
+                let (a, b) = (&per_angle[i - 1], &per_angle[i]);
+                let whole = b.incidence_deg - a.incidence_deg;
+                let weights = [
+                    b.incidence_deg - incidence_deg,
+                    incidence_deg - a.incidence_deg,
+                ];
+                let [of_a, of_b] = weights.map(|weight| weight / whole);
+                let parts = [part(a, of_a), part(b, of_b)];
+                parts.into_iter().filter(|part| part.weight > 0.0).collect()
+            }
+        }
+    }
+}
+
+/// Part of a parameter's value at an incidence angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// Incidence that the number belongs to, degrees; `None` if all angles share it.
+    pub incidence_deg: Option<f64>,
+    /// Estimate.
+    pub value: Option<f64>,
+    /// Share of the number in the value.
+    pub weight: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Compares values between and beyond the fitted angles with values calculated by hand. All
+    /// numbers are short binary fractions, so the results are exact.
+    #[test]
+    fn a_value_between_two_angles_has_the_weights_of_a_straight_line() {
+        let at = |incidence_deg: f64, value: f64| AtAngle {
+            incidence_deg,
+            value: Some(value),
+            standard_error: None,
+        };
+        let parameter = Parameter::PerAngle {
+            per_angle: vec![at(0.0, 3.0), at(40.0, 7.0), at(50.0, 2.0)],
+        };
+        for (incidence_deg, expected) in [
+            (-5.0, 3.0),
+            (0.0, 3.0),
+            // 3/4 of 3 and 1/4 of 7.
+            (10.0, 4.0),
+            (20.0, 5.0),
+            (35.0, 6.5),
+            (40.0, 7.0),
+            // 3/4 of 7 and 1/4 of 2.
+            (42.5, 5.75),
+            (50.0, 2.0),
+            (60.0, 2.0),
+        ] {
+            assert_eq!(
+                parameter.at(incidence_deg),
+                Some(expected),
+                "{incidence_deg}"
+            );
+        }
+    }
+}
