@@ -9,7 +9,7 @@ use tables::Outputs;
 use crate::cli::estimate::read_channel;
 use crate::cli::failure::Failure;
 use crate::cli::output;
-use lab::plan::{Expected, Plan, Planned, plan};
+use lab::plan::{Expected, Photograph, Plan, Planned, plan};
 
 /// Says which photographs tell a sheet's c, a and mu best, and what errors to expect.
 #[derive(Debug, clap::Args)]
@@ -114,14 +114,7 @@ fn text(planned: &Planned) -> String {
     }
     text += "\n  no.  distance (mm)  incidence  azimuth  edge across  exposure\n";
     for (number, own) in (1..).zip(photographs) {
-        text += &format!(
-            "{number:>5}{:>15}{:>10}°{:>8}°  {:<11}{:>10.3}\n",
-            own.floating_distance_mm,
-            own.incidence_deg,
-            own.azimuth_deg,
-            own.edge.name(),
-            own.exposure
-        );
+        text += &format!("{}{:>10.3}\n", row(number, own), own.exposure);
     }
     text += "\nexpected standard errors   middle   largest   as many, spread evenly\n";
     for (own, even) in planned.expected.iter().zip(&planned.even) {
@@ -136,17 +129,21 @@ fn text(planned: &Planned) -> String {
     }
     text += "\nwith further photographs:\n";
     for (number, further) in (photographs.len() + 1..).zip(&planned.further) {
-        let own = &further.photograph;
-        text += &format!(
-            "{number:>5}{:>15}{:>10}°{:>8}°  {:<11}  {}\n",
-            own.floating_distance_mm,
-            own.incidence_deg,
-            own.azimuth_deg,
-            own.edge.name(),
-            by_kind(&further.expected)
-        );
+        let own = row(number, &further.photograph);
+        text += &format!("{own}  {}\n", by_kind(&further.expected));
     }
     text
+}
+
+/// Returns the start of a photograph's row.
+fn row(number: usize, own: &Photograph) -> String {
+    format!(
+        "{number:>5}{:>15}{:>10}°{:>8}°  {:<11}",
+        own.floating_distance_mm,
+        own.incidence_deg,
+        own.azimuth_deg,
+        own.edge.name()
+    )
 }
 
 /// Returns the errors of each kind of parameter, as the root of the mean square.

@@ -8,6 +8,7 @@
 mod exchange;
 mod information;
 mod request;
+mod seen;
 
 use serde::Serialize;
 use tables::Table;

@@ -1,6 +1,7 @@
 //! Parameters of a simulated campaign: the content of truth.json, as TOML. Lengths are in mm,
 //! angles in degrees.
 
+use std::f64::consts::{PI, SQRT_2};
 use std::path::Path;
 
 use serde::de::{Deserializer, Error as _, IgnoredAny};
@@ -100,6 +101,13 @@ pub struct PlantedCamera {
     /// stands for EXR.
     #[serde(deserialize_with = "jpeg_quality")]
     pub jpeg_quality: Option<u8>,
+}
+
+impl PlantedCamera {
+    /// Returns the blur of the lens, mm: its OTF is exp(-(f blur)^2) = exp(-2 (pi sigma f)^2).
+    pub(crate) fn lens_blur_mm(&self) -> f64 {
+        SQRT_2 * PI * self.sigma_px * self.pixel_pitch_mm
+    }
 }
 
 /// One number for all incidences, or one for each.

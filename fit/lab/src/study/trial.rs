@@ -150,11 +150,9 @@ pub fn bound(
 
 /// Returns the parameters that were planted: a blur, and the lens of the camera.
 pub(crate) fn planted(joint: &Joint, camera: &PlantedCamera, blur: &DVector<f64>) -> DVector<f64> {
-    // exp(-2 (pi sigma f)^2) = exp(-(f blur)^2).
-    let blur_mm =
-        std::f64::consts::SQRT_2 * std::f64::consts::PI * camera.sigma_px * camera.pixel_pitch_mm;
+    let lens = [camera.lens_blur_mm().ln(), 2.0];
     let mut at = joint.start(blur);
-    for (value, planted) in at.iter_mut().skip(blur.len()).zip([blur_mm.ln(), 2.0]) {
+    for (value, planted) in at.iter_mut().skip(blur.len()).zip(lens) {
         *value = planted;
     }
     at

@@ -22,6 +22,24 @@ use estimator::model::Further;
 use estimator::result::{ResultFile, TableResult};
 use tables::Table;
 
+/// Beliefs of a single sheet.
+impl Beliefs {
+    pub(crate) fn certain(kernel: Kernel, c_mm: f64, spread: f64, mu: f64) -> Beliefs {
+        let spread = Some([spread; 2]);
+        let is_angle = ParameterKind::spread_of(kernel) == ParameterKind::ATimesR;
+        Beliefs {
+            kernel,
+            lobe: Default::default(),
+            c_mm: Some([c_mm; 2]),
+            a_per_mm: spread.filter(|_| !is_angle),
+            a_times_r: spread.filter(|_| is_angle),
+            mu: [mu; 2],
+            per_angle: Vec::new(),
+            spectrum: None,
+        }
+    }
+}
+
 const C_MM: f64 = 0.24;
 const A_PER_MM: f64 = 4.0;
 const MU: f64 = 0.45;

@@ -1,0 +1,191 @@
+//! Photographs as the camera of a plan would take them, and what each would tell.
+
+use nalgebra::DVector;
+use tables::Table;
+
+use crate::plan::Error;
+use crate::plan::information::{Candidate, Information, Unknowns};
+use crate::plan::request::{Edge, Plan};
+use crate::simulate::{ByIncidence, Params, PlantedEdge, PlantedSheet, PlantedShot, cell};
+use crate::study::{choice, trial};
+use edges::names::Kernel;
+use edges::photographs::edge::fault::Accepted;
+use estimator::compare::Photograph as Pixels;
+use estimator::estimate::{Aerial, Conditions, Layout, Scene, model};
+use estimator::model::Camera;
+
+/// Bright side of a mid-air photograph, full scale 1.
+pub(crate) const BRIGHT: f64 = 0.8;
+
+/// Direction of the edge against the axis that it lies across, degrees.
+const TILT_DEG: f64 = 5.0;
+
+/// Photographs as the camera of a plan would take them.
+pub(crate) struct Seen<'a> {
+    pub plan: &'a Plan,
+    /// Photographs of both edges, whose pixels lie as those of all candidates.
+    pub pattern: &'a Scene,
+    pub camera: &'a Camera,
+    pub layout: Layout,
+    pub unknowns: Unknowns,
+    /// Different incidences, degrees, ascending.
+    pub angles: &'a [f64],
+    /// Points of the beliefs: logarithms of c and spread.
+    pub points: Vec<Vec<f64>>,
+}
+
+impl Seen<'_> {
+    /// Returns the candidates of one place and direction, one for each edge.
+    pub(crate) fn candidates(
+        &self,
+        table: &Table,
+        r_mm: f64,
+        [incidence_deg, azimuth_deg]: [f64; 2],
+        retroreflected: f64,
+    ) -> Result<Vec<Candidate>, Error> {
+        let conditions = self.pattern.shots.iter().map(|shot| Conditions {
+            incidence_deg,
+            azimuth_deg: shot.direction.azimuth_deg.map(|_| azimuth_deg),
+            r_mm,
+            ..shot.conditions()
+        });
+        let conditions: Vec<Conditions> = conditions.collect();
+        let scene = self.pattern.perturbed(table, None, &conditions);
+        let scene = scene.map_err(estimator::Error::from)?;
+        if self.layout.choice.kernel.has_waves() {
+            let file = "the plan".into();
+            let fault = |fault| estimator::Error::Wave(file, fault);
+            scene.waves().map_err(fault)?;
+        }
+        let shots = scene.shots.iter().zip(&self.plan.choices.edge);
+        Ok(shots
+            .map(|(shot, &edge)| Candidate {
+                floating_distance_mm: r_mm,
+                incidence_deg,
+                azimuth_deg,
+                edge,
+                retroreflected,
+                tells: self.points.iter().map(|at| self.tells(shot, at)).collect(),
+            })
+            .collect())
+    }
+
+    /// Returns what a photograph tells at a point of the beliefs.
+    fn tells(&self, shot: &Aerial, at: &[f64]) -> Information {
+        let layout = &self.layout;
+        let angle = |&own: &f64| own == shot.incidence_deg;
+        let group = self.angles.iter().position(angle).unwrap_or(0);
+        // The spread is believed to be the same at every incidence.
+        let c = layout.c().map(|_| at[0]).into_iter();
+        let spread = (0..layout.spreads).map(|_| at[at.len() - 1]);
+        let at = DVector::from_iterator(layout.parameters(), c.chain(spread));
+        let blur = layout.blur(&at, group);
+        let model = model(shot, layout.choice);
+        let pixels = Pixels::new(&shot.pixels, self.camera.pitch_mm);
+        let lens = &self.pattern.optics.free;
+        let curves = pixels.curves(Some((&model, blur)), self.camera, lens);
+        let rows = pixels.foreseen(&curves, self.levels(), trial::noise(&self.plan.camera));
+        let first = layout.parameters();
+        let columns = layout.columns(group).into_iter();
+        let columns: Vec<usize> = columns.chain(first..first + lens.len()).collect();
+        let mu = layout.mu_group(group);
+        Information::of(&rows, &columns, self.unknowns, Some(mu))
+    }
+
+    /// Returns what the source edge tells.
+    pub(crate) fn source(&self) -> Information {
+        let first = self.layout.parameters();
+        let lens = &self.pattern.optics.free;
+        let mut all = Information::none(self.unknowns);
+        for own in self
+            .pattern
+            .reference
+            .iter()
+            .flat_map(|own| &own.photographs)
+        {
+            let pixels = Pixels::new(&own.pixels, self.camera.pitch_mm);
+            let curves = pixels.curves(None, self.camera, lens);
+            let camera = &self.plan.camera;
+            let levels = levels(camera.source_level, camera.dark_ratio, camera.veil);
+            let rows = pixels.foreseen(&curves, levels, trial::noise(camera));
+            let columns: Vec<usize> = (first..first + lens.len()).collect();
+            all.add(&Information::of(&rows, &columns, self.unknowns, None));
+        }
+        all
+    }
+
+    /// Returns dark plateau and step of a mid-air photograph.
+    fn levels(&self) -> [f64; 2] {
+        let camera = &self.plan.camera;
+        levels(BRIGHT, camera.dark_ratio, camera.veil)
+    }
+}
+
+/// Returns dark plateau and step of an edge whose bright side adds `bright` to the veil.
+fn levels(bright: f64, dark_ratio: f64, veil: f64) -> [f64; 2] {
+    [bright * dark_ratio + veil, bright * (1.0 - dark_ratio)]
+}
+
+/// Returns the camera of the pattern with the lens as it is planted.
+pub(crate) fn planted_camera(pattern: &Scene, plan: &Plan) -> Camera {
+    let blur_mm = plan.camera.lens_blur_mm();
+    let mut seen = pattern.optics.camera.clone();
+    for lens in &mut seen.lenses {
+        (lens.blur_mm, lens.exponent, lens.departure) = (blur_mm, 2.0, None);
+    }
+    seen
+}
+
+/// Measures photographs without noise of each edge and of the source: the places of their pixels
+/// are those of every photograph that the camera takes. The sheet hardly blurs them, so no edge is
+/// too wide for its window.
+pub(crate) fn pattern(
+    plan: &Plan,
+    table: &Table,
+    [incidence_deg, azimuth_deg]: [f64; 2],
+) -> Result<Scene, Error> {
+    let camera = &plan.camera;
+    let eta: f64 = cell::shifts(0.0, 0.0, 1.0, true)
+        .iter()
+        .map(|cube| cube.retroreflected)
+        .sum::<f64>()
+        / 2.0;
+    let half_mirror = camera.half_mirror_transmittance * camera.half_mirror_reflectance;
+    let shot = |edge: &Edge| PlantedShot {
+        edge: PlantedEdge {
+            normal_deg: TILT_DEG + if *edge == Edge::Tangential { 0.0 } else { 90.0 },
+            exposure: BRIGHT / (camera.source_level * half_mirror * eta),
+            ..PlantedEdge::AERIAL
+        },
+        floating_distance_mm: 100.0,
+        path_mm: None,
+        incidence_deg: 0.0,
+        azimuth_deg: 0.0,
+        tangential_axis_deg: 0.0,
+        shifts: None,
+    };
+    let sharp = Params {
+        seed: 0,
+        camera: camera.clone(),
+        truth: PlantedSheet {
+            kernel: Kernel::Eq1,
+            lobe: plan.beliefs.lobe,
+            spectrum: plan.beliefs.spectrum.clone(),
+            refractive_index: 1.0,
+            pair: true,
+            a: ByIncidence::Shared(1.0 / camera.pixel_pitch_mm),
+            c_mm: camera.pixel_pitch_mm,
+            angular_spread_mrad: 0.0,
+            mu: ByIncidence::Shared(1.0),
+        },
+        reference: Some(PlantedEdge::SOURCE),
+        captures: plan.choices.edge.iter().map(shot).collect(),
+    };
+    let mut campaign = trial::campaign(&sharp, &[Accepted::Doubled]);
+    for capture in &mut campaign.captures {
+        capture.incidence_deg = incidence_deg;
+        capture.azimuth_deg = Some(azimuth_deg);
+    }
+    let photographs = trial::source(&sharp, choice::without_noise);
+    Ok(Scene::of(&campaign, table, &photographs)?)
+}
