@@ -95,7 +95,7 @@ SKIPPED = $(abspath $(TARGET))/skipped
 FIT = -p fit -p edges -p estimator -p lab -p pictures
 
 # The long parts that need nothing more than `test` does: `.ci/run` runs one of them after it.
-PARTS = test-statistics test-slowest test-package test-kills
+PARTS = test-statistics test-slowest test-pages test-package test-kills
 .PHONY: $(PARTS) parts
 parts:
 	@echo $(PARTS)
@@ -111,22 +111,31 @@ test-statistics: rust tools
 		$(addprefix --skip ,$(SLOWEST))
 
 test-slowest: rust tools
-	@echo "== the slowest statistics of fit, waves and programs of rays, pages in a browser, uneven cubes" >&2
+	@echo "== the slowest statistics of fit, waves and programs of rays, uneven cubes" >&2
 	@$(CARGO) test $(FIT) -p bake -p midair --lib --locked -- --ignored $(SLOWEST)
 	@$(CARGO) build --workspace --locked
-	@$(CARGO) test -p tests --test all --locked -- --ignored explore:: deviations:: wave::
+	@$(CARGO) test -p tests --test all --locked -- --ignored deviations:: wave::
 SLOWEST = statistics_near_full_scale statistics_of_uneven_light statistics_of_bounds \
 	statistics_of_correlated_noise statistics_of_predictions statistics_of_mtf10_in_noise \
 	traced_photographs_give_their_corner_size programs_record_what_single_rays_do \
-	waves_are_those_of_a_pupil_on_a_raster
+	waves_are_those_of_a_pupil_on_a_raster grazing_incidence_along_the_rows_of_a_lattice \
+	between_chosen_directions_polygons_keep_the_tolerance a_jump_is_said \
+	beams_are_the_mean_of_plain_rays a_mean_over_azimuths_is_that_of_many_azimuths
 
-# A hundred kills of every command that writes, at random times; hostile files, and the largest ones
-# that are read.
+# Every command of the pages and of the help, and what the pages show of it; pages in a browser.
+test-pages: rust tools python
+	@echo "== commands of the pages and of the help, and pages in a browser" >&2
+	@$(CARGO) build --workspace --locked
+	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test -p tests --test all --locked -- --ignored \
+		--nocapture pages:: help:: explore::
+
+# A hundred kills of every command that writes, at random times; hostile files, broken streams, and
+# the largest files that are read.
 test-kills: rust tools python
 	@echo "== kills, hostile files and files at the limits" >&2
 	@$(CARGO) build --workspace --locked
-	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test -p tests --test all --locked -- --ignored \
-		--nocapture kills:: hostile:: caps::
+	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test -p tests -p bake --test all --locked -- \
+		--ignored --nocapture kills:: hostile:: caps:: streams:: resume::
 
 test-mpi: rust tools
 	@command -v mpirun >/dev/null || { \

@@ -351,6 +351,7 @@ fn anywhere(k: u32, steepest_deg: f64) -> (f64, f64) {
 /// Tables whose directions were chosen for a tolerance keep it at 500 directions that the choice
 /// did not try. The exact method gives the truth.
 #[test]
+#[ignore = "half a minute: `make test-slowest` runs it"]
 fn between_chosen_directions_polygons_keep_the_tolerance() {
     let tolerance = 0.005;
     let uneven = |design: &mut Design| design.dihedral_error_rad = [5e-4, 0.0, -3e-4];
@@ -446,6 +447,7 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
 /// The error names the place where no grid reaches the tolerance: the distribution jumps where
 /// total reflection ends.
 #[test]
+#[ignore = "half a minute: `make test-slowest` runs it"]
 fn a_jump_is_said() {
     let cell = cells::pair();
     let request = Request {

@@ -235,6 +235,7 @@ fn is_minus_identity(map: DMat3) -> bool {
 /// each share, which chance exceeds in one of 15,000 runs of these 120 comparisons. All fates sum
 /// to 1.
 #[test]
+#[ignore = "half a minute: `make test-slowest` runs it"]
 fn beams_are_the_mean_of_plain_rays() {
     const RAYS: usize = 1000;
     let compared: Vec<usize> = cases()

@@ -238,6 +238,7 @@ fn dihedral_errors_split_the_return_into_six_maps_or_two() {
 /// The truth is the mean of 36,000 azimuths in the middle of their steps, which the halved degrees
 /// never meet.
 #[test]
+#[ignore = "half a minute: `make test-slowest` runs it"]
 fn a_mean_over_azimuths_is_that_of_many_azimuths() {
     let axes = Axes {
         incidence_deg: vec![20.0, 40.0],

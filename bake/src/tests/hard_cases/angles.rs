@@ -54,6 +54,7 @@ fn grazing_incidence() {
 /// hundreds of cubes and meets a few sides of each. A beam falls into many parts, which see the
 /// facets far ahead in common. 0.01 of the light is 5 standard errors.
 #[test]
+#[ignore = "half a minute: `make test-slowest` runs it"]
 fn grazing_incidence_along_the_rows_of_a_lattice() {
     let cube = cell(Shape::FullCube);
     let mut light = BothOptions::new("89.8,89.9", "29.9,29.99,30,150");

@@ -828,6 +828,7 @@ fn strips_without_bytes_are_refused() {
 
 /// Every byte of a small TIFF, replaced by others, ends in a picture or an error.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn damaged_directories_are_errors_or_pictures() {
     let mut page = Page::new(
         PLAIN,

@@ -264,6 +264,7 @@ fn waves_lower_the_mtf_by_what_is_stated() {
 /// otherwise). The mean square pull of n draws scatters by sqrt(2 / n); the limit is 4 of these.
 /// The factor of shared noise is some 4 % too low besides (see `correlation`).
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn the_error_of_the_angle_is_its_scatter() {
     for (name, draws, height, filter, [read, gain]) in [
         ("white", 300, 64, [0.0, 1.0, 0.0], [1e-4, 0.0]),
@@ -712,6 +713,7 @@ fn a_given_region_is_measured() {
 /// noise of the 8 bits and of the JPEG's whole coefficients is part of the pixels' scatter. Beside
 /// noise 0.001 is allowed: the bins cost 0.0007 on known edges.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn a_jpeg_of_24_megapixels_is_measured() {
     const WIDTH: usize = 6000;
     const HEIGHT: usize = 4000;

@@ -137,6 +137,7 @@ fn a_planted_azimuth_comes_back() {
 /// An azimuth is found for one of two views. If the manifest does not say which, and the other one
 /// differs at the azimuth that is found, a warning says so.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn an_azimuth_without_the_view_is_warned_of() {
     let incidence = [20.0, 40.0];
     let truth = truth(Kernel::Shift, LobeShape::Radial, 1.0, 0.31, 0.6);

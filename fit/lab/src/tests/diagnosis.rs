@@ -57,6 +57,7 @@ fn turned(shots: &Params) -> Campaign {
 /// Without time nothing is tried, and the result says so. With time to its end the search is the
 /// same for any number of threads, and the estimate does not depend on it.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn a_search_says_whether_it_came_to_its_end() {
     let (shots, table) = planted(Kernel::Eq1, 3.4);
     let manifest = turned(&shots);
@@ -116,6 +117,7 @@ fn an_estimate_before_its_diagnosis_is_whole() {
 /// A sheet whose light spreads as waves fits no kernel of rays. Without a wavelength the remedy is
 /// named, and no mistake of the manifest is.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn waves_without_a_wavelength_are_named() {
     let (mut shots, table) = planted(Kernel::Wave, 1.0);
     shots.truth.c_mm = 0.2;

@@ -165,6 +165,7 @@ fn suspects_are_reported_and_can_be_cancelled() {
 }
 
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn a_turned_axis_is_named() {
     is_named("the tangential axis is off by 90 deg", |manifest| {
         for capture in &mut manifest.captures {
@@ -174,6 +175,7 @@ fn a_turned_axis_is_named() {
 }
 
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn one_wrong_incidence_is_named() {
     is_named("the incidence of 4 is 20 deg", |manifest| {
         let capture = &mut manifest.captures[4];
@@ -375,6 +377,7 @@ fn one_distance_in_cm_is_named() {
 /// Two photographs that are exchanged, or only their distances, are named if the blur depends on
 /// the distance. The fit is then good, so the warning says that it would fit.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn exchanged_photographs_are_named() {
     let sheet = truth(Kernel::Angular, LobeShape::Radial, 700.0, 0.33, 0.5);
     let (incidences, distances) = ([0.0, 20.0], [150.0, 300.0]);
@@ -503,6 +506,7 @@ fn a_reference_that_is_not_the_sharpest_is_refused() {
 /// PNG files of 16 bits that say nothing are read as linear. If a program saved them in sRGB, the
 /// curves fit badly, and the transfer comes first.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn srgb_in_16_bits_taken_for_linear_is_named() {
     let (sheet, shots) = planted();
     let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);

@@ -126,6 +126,7 @@ fn seen_in_the_face(place: [f64; 2], scene: Scene) -> ([f64; 2], f64) {
 /// At an incidence of 58 degrees Fresnel's share is 0.08, twice that of the middle, and p and s
 /// light differ.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn the_mirrored_picture_is_where_a_mirror_shows_it_and_as_bright() {
     // The camera is on no pixel's perpendicular, where the ratios of sines are 0/0.
     let before = [3.1, 2.2, 600.0];

@@ -67,6 +67,7 @@ fn result(kernel: Kernel, lobe: Option<LobeShape>, table: TableResult) -> Result
 /// with the chance 1/401 each, if all are drawn alike. So of 12 x 20 places 0.6 lie above it on
 /// average, and more than 4 with a chance of 4e-4 (Poisson).
 #[test]
+#[ignore = "a minute: `make test-full` runs it"]
 fn mixtures_of_all_models_err_as_stated() {
     let table = tables::read("../../tables/tests/kept/version_1_exact.h5".as_ref()).unwrap();
     let incidences = &table.axes.incidence_deg;

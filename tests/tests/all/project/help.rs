@@ -71,6 +71,7 @@ fn photograph(file: &Path) {
 }
 
 #[test]
+#[ignore = "over a minute: `make test-pages` runs it"]
 fn every_example_runs_as_printed() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();

@@ -213,12 +213,13 @@ fn shift_result(here: &Path, table: &str) -> String {
 }
 
 #[test]
+#[ignore = "a minute: `make test-pages` runs it"]
 fn a_browser_shows_what_fit_render_computes() {
     compare_pages(&["shift of errors", "eq1", "errors"]);
 }
 
 #[test]
-#[ignore = "takes minutes: every kind of sheet; `make test-slowest` runs it"]
+#[ignore = "takes minutes: every kind of sheet; `make test-pages` runs it"]
 fn a_browser_shows_every_kind_of_sheet() {
     compare_pages(&["shift", "shift of rays", "sharp eq1", "angular", "wave"]);
 }
