@@ -217,9 +217,11 @@ fn the_search_finds_known_optima() {
     };
     let front = counted(3, 10_000, &tops);
     assert!(front.len() >= 35, "{} cells", front.len());
+    // A cell that is off the line by d loses d^2 of both. Its neighbour on the line, 0.5/39 on,
+    // dominates it if that is more than 0.5 x 0.5/39, so from d = 0.08 on.
     for (at, _) in &front {
         assert!(
-            (at[1] - 0.5).hypot(at[2] - 0.5) < 0.01 && (0.19..0.71).contains(&at[0]),
+            (at[1] - 0.5).hypot(at[2] - 0.5) < 0.08 && (0.19..0.71).contains(&at[0]),
             "{at:?}"
         );
     }

@@ -81,7 +81,7 @@ fn run_python(page: &str, here: &Path, arguments: &[String]) {
 fn every_page_runs_and_prints_as_shown() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    for name in ["tests", "fit", "doc", "tables"] {
+    for name in ["tests", "fit", "bake", "doc", "tables"] {
         std::os::unix::fs::symlink(project().join(name), here.join(name)).unwrap();
     }
     let [mut ran, mut compared] = run_page("README.md", here);
