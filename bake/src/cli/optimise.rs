@@ -3,7 +3,7 @@
 use crate::cli::design;
 use crate::cli::display::ProgressDisplay;
 use crate::error::Error;
-use crate::optimise::{Goal, optimise, report};
+use crate::optimise::{Best, Goal, optimise, report};
 use crate::plan::heading;
 use crate::run::Progress;
 use clap::Args;
@@ -21,7 +21,7 @@ pub(crate) struct OptimiseArgs {
     /// Mesh of the best cell: .obj (exact digits) or .glb, in mm
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Picture of the front, .svg
+    /// Picture of the front, .svg; needs best = "both"
     #[arg(long, value_name = "FILE.svg", help_heading = heading::OUTPUT)]
     plot: Option<PathBuf>,
     /// Prints everything as one JSON object
@@ -32,6 +32,13 @@ pub(crate) struct OptimiseArgs {
 /// Runs `bake optimise`.
 pub(crate) fn run(args: &OptimiseArgs) -> Result<(), Error> {
     let goal = Goal::load(&args.goal)?;
+    if args.plot.is_some() && goal.best != Best::Both {
+        return Err(Error::Usage(
+            "--plot draws the front of sharpness and light, which needs best = \"both\" in the goal; \
+            write it there, or leave out --plot"
+                .into(),
+        ));
+    }
     let format = design::Format::of(&args.output)?;
     let mut outputs = Outputs::beside([args.goal.as_path()]);
     let output = outputs.reserve(&args.output)?;

@@ -12,6 +12,6 @@ mod goal;
 pub(crate) mod report;
 
 pub(crate) use answer::optimise;
-pub(crate) use goal::Goal;
+pub(crate) use goal::{Best, Goal};
 #[cfg(test)]
 pub(crate) use {answer::Answer, candidate::Candidate, evolve::Merit, evolve::evolve};

@@ -3,7 +3,7 @@
 use crate::optimise::answer::{Answer, Check, Loss, Winner};
 use crate::optimise::candidate::Candidate;
 use crate::optimise::goal::{Goal, Parameter};
-use charts::{Axis, Curve, Facet, Figure, HUES, Marks, Stroke};
+use charts::{Axis, Curve, Dash, Facet, Figure, HUES, Marks, Stroke};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -127,13 +127,14 @@ pub(crate) fn picture(goal: &Goal, answer: &Answer) -> String {
     };
     let mut curves: Vec<Curve> = goal.shapes.iter().enumerate().map(of_shape).collect();
     curves.retain(|curve| !curve.points.is_empty());
-    curves.push(Curve::new(
-        "written cell",
-        Stroke::solid(HUES[goal.shapes.len()]),
-        Marks::Dots,
-        [point(&answer.front[answer.best])],
-    ));
     let axes = [0, 1].map(|k| Axis::around(answer.front.iter().map(|own| point(own)[k])));
+    let [x, y] = point(&answer.front[answer.best]);
+    let [across, up] = [axes[0].ends(), axes[1].ends()];
+    let lines = [
+        ("written cell", up.map(|y| [x, y])),
+        ("", across.map(|x| [x, y])),
+    ];
+    curves.extend(lines.map(|(name, ends)| Curve::limit(name, Dash::Dotted, ends)));
     let names = [
         "luminance: eta, mean over the views",
         "MTF, mean over views and frequencies",

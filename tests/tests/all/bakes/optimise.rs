@@ -98,7 +98,7 @@ fn wrong_goals_leave_files_alone() {
         (
             "550",
             "550\ndihedral_error_mrad = [0, 1]",
-            "three numbers or ranges",
+            "give three, one for each edge",
         ),
         (
             "least_mtf = 0.05",
@@ -116,18 +116,25 @@ fn wrong_goals_leave_files_alone() {
         assert_eq!(run.err.lines().count(), 1, "{}", run.err);
         refused += 1;
     }
+    let sharp = goal.replace("\"both\"", "\"mtf\"");
+    fs::write(here.join("sharp.toml"), sharp).unwrap();
     for (words, code, message) in [
         ("optimise none.toml -o old.obj", 1, "none.toml"),
         ("optimise goal.toml -o old.stl", 2, ".obj or .glb"),
         ("optimise goal.toml -o goal.obj/x.obj", 1, "goal.obj"),
         ("optimise goal.toml -o old.obj --plot old.png", 2, ".svg"),
         ("optimise goal.toml", 2, "--output"),
+        (
+            "optimise sharp.toml -o old.obj --plot f.svg",
+            2,
+            "best = \"both\"",
+        ),
     ] {
         let run = bake(here, words);
         assert_eq!(run.code, Some(code), "{words}: {}", run.err);
         assert!(run.err.contains(message), "{words}: {}", run.err);
         refused += 1;
     }
-    assert_eq!(refused, 17 + 5);
+    assert_eq!(refused, 17 + 6);
     assert_eq!(fs::read_to_string(here.join("old.obj")).unwrap(), "old");
 }
