@@ -14,6 +14,9 @@ pub enum Error {
     /// Table or other file that cannot be read or written, or threads that do not start.
     #[error(transparent)]
     Table(#[from] tables::Error),
+    /// Goal that cannot be read, or that no cell can have.
+    #[error(transparent)]
+    Goal(#[from] documents::Error),
     /// Table that states what no bake by this version states of the mesh.
     #[error("the table {0}")]
     Stated(String),

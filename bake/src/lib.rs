@@ -59,6 +59,7 @@ mod datasheet;
 mod error;
 mod geometry;
 mod optics;
+mod optimise;
 mod plan;
 mod plots;
 mod rays;

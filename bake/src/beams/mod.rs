@@ -9,9 +9,10 @@ mod candidate;
 pub(crate) mod exact;
 mod mean;
 mod paths;
+mod returned;
 mod view;
 
-pub(crate) use exact::Share;
 pub(crate) use exact::spread;
 #[cfg(test)]
-pub(crate) use exact::{bake, prepare};
+pub(crate) use exact::{Share, bake, prepare};
+pub(crate) use returned::Returned;

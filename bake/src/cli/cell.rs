@@ -1,6 +1,7 @@
 //! Options that describe the cell of a mesh file, and the cell that they make.
 
 use crate::error::Error;
+use crate::optics::material;
 use clap::Args;
 use glam::DVec3;
 use meshes::{Cell, CellOptions, Mesh};
@@ -87,6 +88,29 @@ impl CellArgs {
             glass: scene.glass_index.is_some(),
             periodic: scene.front == Front::Trapped,
         })
+    }
+}
+
+/// Option for the refractive index of the sheet.
+#[derive(Debug, Args)]
+pub(crate) struct IndexArgs {
+    /// Refractive index behind the front face [default: the file's, else 1]
+    ///
+    /// A number from 1 to 10; a material: pmma (acrylic), polycarbonate or bk7; or pairs nm:index
+    /// such as 450:1.50,650:1.49. A material and pairs hold at --wavelength-nm.
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    refractive_index: Option<String>,
+}
+
+impl IndexArgs {
+    /// Returns the index at a wavelength in nm, where it was given.
+    ///
+    /// # Errors
+    /// Returns [`Error::Usage`] if it cannot be read, or is not known at this wavelength.
+    pub(crate) fn at(&self, wavelength_nm: Option<f64>) -> Result<Option<f64>, Error> {
+        let text = self.refractive_index.as_deref();
+        text.map(|text| material::refractive_index(text, wavelength_nm))
+            .transpose()
     }
 }
 

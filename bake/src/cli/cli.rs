@@ -5,6 +5,7 @@ use crate::cli::datasheet;
 use crate::cli::design;
 use crate::cli::inspect;
 use crate::cli::merge;
+use crate::cli::optimise;
 use crate::cli::study;
 use crate::cli::trace;
 use crate::cli::verify;
@@ -123,6 +124,41 @@ A canted cell against an upright one:
   bake design canted -o canted.obj --edge-length 0.18 --cant-deg 7.9
   bake datasheet pair.obj canted.obj -o both.html --refractive-index 1.49 --unit mm")]
     Datasheet(Box<datasheet::DatasheetArgs>),
+    /// Searches the cell whose mid-air image is best where it is wanted
+    ///
+    /// The MTF is that of ray shift, diffraction and dihedral errors, and the luminance is eta: both
+    /// are computed exactly for each cell. The best cell is traced again by rays, and the answer
+    /// says what 1 % of each parameter and 1 mrad of dihedral error cost.
+    ///
+    /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
+    #[command(after_help = "\
+Example (GOAL.toml):
+  best = \"both\"                      # or \"mtf\", or \"luminance\"
+  frequency_per_mm = [0.5, 1]        # in the mid-air image; each must stay visible
+  least_mtf = 0.1                    # in every view along both axes; 0.1 if left out
+  cells = 4000                       # to try; 10000 if left out
+  [[view]]                           # every combination of its lists
+  distance_mm = [300]
+  incidence_deg = [0, 40]
+  azimuth_deg = [0]
+  weight = 1                         # against other [[view]]; 1 if left out
+  [sheet]
+  design = [\"canted\", \"full-cube\"]  # names of `bake design`
+  edge_length_mm = { from = 0.05, to = 0.5 }
+  cant_deg = { from = -10, to = 20 } # of canted cells
+  truncation = 0                     # of full cubes
+  refractive_index = 1.49
+  dihedral_error_mrad = [0, 0, 0]
+  surface = \"metal\"                  # or \"mirrors\", or \"total_reflection\"
+  metal = \"aluminium\"                # may be left out
+  wavelength_nm = 550
+
+Each key of [sheet] from edge_length_mm to dihedral_error_mrad is a number or a
+range. Of a front, the cell is written that is nearest to the best of both.
+
+  bake optimise goal.toml -o best.obj --plot front.svg
+  bake datasheet best.obj -o best.html --refractive-index 1.49 --unit mm")]
+    Optimise(optimise::OptimiseArgs),
     /// Measures the speed and the error of every method on a mesh
     ///
     /// Bakes with every method, sampler and number of rays, and compares each table with the exact
@@ -226,6 +262,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>, commit: Option<&str>)
         _ if !ranks.leads() => Ok(()),
         Verb::Design(args) => design::run(&args),
         Verb::Datasheet(args) => datasheet::run(&args),
+        Verb::Optimise(args) => optimise::run(&args),
         Verb::Study(args) => study::run(&args),
         Verb::Inspect(args) => inspect::run(&args),
         Verb::Compare(args) => compare::run(&args),

@@ -1,7 +1,7 @@
 //! `bake datasheet`: reads its options, makes the data sheet of one cell or of two, and writes it.
 
 use crate::cell::Prepared;
-use crate::cli::cell::CellArgs;
+use crate::cli::cell::{CellArgs, IndexArgs};
 use crate::cli::display::ProgressDisplay;
 use crate::datasheet::{Datasheet, DatasheetRequest, datasheet, page, report, steps};
 use crate::error::Error;
@@ -25,11 +25,8 @@ pub(crate) struct DatasheetArgs {
     /// File to write: .html (a page), .csv (the maps) or .json (everything)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Refractive index behind the front face [default: the file's, else 1]
-    ///
-    /// A number from 1 to 10; a material: pmma (acrylic), polycarbonate or bk7; or pairs nm:index.
-    #[arg(long, value_name = "M", allow_hyphen_values = true)]
-    refractive_index: Option<String>,
+    #[command(flatten)]
+    index: IndexArgs,
     /// Incidences of spots and tolerances, degrees
     ///
     /// One to four angles: a list such as 0,30, or start:stop:step.
@@ -122,12 +119,10 @@ impl DatasheetArgs {
     /// Returns the conditions of the data sheet.
     fn request(&self) -> Result<DatasheetRequest, Error> {
         let nm = Some(self.wavelength_nm);
-        let index = self.refractive_index.as_deref();
-        let index = index.map(|text| material::refractive_index(text, nm));
         let incidence_deg = list(&self.incidence)
             .map_err(|reason| Error::Usage(format!("--incidence {}: {reason}", self.incidence)))?;
         let request = DatasheetRequest {
-            refractive_index: index.transpose()?,
+            refractive_index: self.index.at(nm)?,
             metal: self.metal.clone(),
             metal_index: material::metal(&self.metal, nm)?,
             wavelength_nm: self.wavelength_nm,
@@ -186,7 +181,7 @@ pub(crate) fn run(args: &DatasheetArgs) -> Result<(), Error> {
         warn(&cell.warnings);
         cells.push((Prepared::new(cell), step));
     }
-    let display = ProgressDisplay::of_datasheet();
+    let display = ProgressDisplay::of_steps();
     let mut sheets: Vec<Datasheet> = Vec::new();
     for ((prepared, step), name) in cells.iter().zip(names(&meshes)) {
         let index = request

@@ -238,22 +238,37 @@ fn element(name: &str, args: &DesignArgs) -> Result<Option<Mesh>, Error> {
 
 /// Writes a mesh in the format that the extension of `output` names.
 pub(super) fn write(mesh: &Mesh, output: &Path) -> Result<(), Error> {
-    let bytes = match extension(output).as_str() {
-        "obj" => meshes::write::obj(mesh).into_bytes(),
-        "glb" if !mesh.glass.is_empty() => return Err(wrong(Fault::GlassInGlb)),
-        "glb" => meshes::write::glb(mesh),
-        _ => {
-            let name = output.display();
-            let fault = format!("-o {name}: the extension must be .obj or .glb");
-            return Err(Error::Usage(fault));
-        }
-    };
+    let bytes = Format::of(output)?.bytes(mesh)?;
     Ok(Outputs::beside([]).reserve(output)?.commit(&bytes)?)
 }
 
-/// Returns the extension of `path` in small letters, or an empty string.
-fn extension(path: &Path) -> String {
-    path.extension()
-        .map(|extension| extension.to_string_lossy().to_lowercase())
-        .unwrap_or_default()
+/// Format of a mesh that is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Format {
+    Obj,
+    Glb,
+}
+
+impl Format {
+    /// Returns the format that the extension of `output` names.
+    pub(super) fn of(output: &Path) -> Result<Format, Error> {
+        let extension = output.extension().unwrap_or_default();
+        match extension.to_string_lossy().to_lowercase().as_str() {
+            "obj" => Ok(Format::Obj),
+            "glb" => Ok(Format::Glb),
+            _ => Err(Error::Usage(format!(
+                "-o {}: the extension must be .obj or .glb",
+                output.display()
+            ))),
+        }
+    }
+
+    /// Returns the file of a mesh.
+    pub(super) fn bytes(self, mesh: &Mesh) -> Result<Vec<u8>, Error> {
+        match self {
+            Format::Obj => Ok(meshes::write::obj(mesh).into_bytes()),
+            Format::Glb if !mesh.glass.is_empty() => Err(wrong(Fault::GlassInGlb)),
+            Format::Glb => Ok(meshes::write::glb(mesh)),
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! Progress bar of a bake or of a study, shown on a terminal only.
+//! Progress bar of a bake or of other work, shown on a terminal only.
 
 use crate::run::Bake;
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
@@ -31,8 +31,8 @@ impl ProgressDisplay {
         ProgressDisplay { bar }
     }
 
-    /// Makes the bar of a study, which counts bakes and names the one that runs.
-    pub(super) fn of_study() -> Self {
+    /// Makes a bar that counts steps, such as bakes, and names the work that they belong to.
+    pub(super) fn of_steps() -> Self {
         let bar = ProgressBar::no_length();
         if !std::io::stderr().is_terminal() {
             bar.set_draw_target(ProgressDrawTarget::hidden());
@@ -43,12 +43,7 @@ impl ProgressDisplay {
         ProgressDisplay { bar }
     }
 
-    /// Makes the bar of data sheets, which counts azimuths and tolerances.
-    pub(super) fn of_datasheet() -> Self {
-        ProgressDisplay::of_study()
-    }
-
-    /// Displays that the data sheet `name` begins, which has `all` steps.
+    /// Displays that the work `name` begins, which has `all` steps.
     pub(super) fn begin(&self, name: &str, all: u64) {
         self.bar.set_length(all);
         self.bar.set_position(0);
@@ -62,7 +57,7 @@ impl ProgressDisplay {
         self.bar.set_message(name.to_owned());
     }
 
-    /// Adds rays to the count; may be called from any thread.
+    /// Adds rays or steps to the count; may be called from any thread.
     pub(super) fn advance(&self, rays: u64) {
         self.bar.inc(rays);
     }

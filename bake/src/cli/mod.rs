@@ -13,6 +13,7 @@ mod design;
 mod display;
 mod inspect;
 mod merge;
+mod optimise;
 mod report;
 mod study;
 mod trace;

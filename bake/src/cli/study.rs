@@ -167,7 +167,7 @@ pub(crate) fn run(args: &StudyArgs) -> Result<(), Error> {
         .transpose()?;
     let cell = args.cell.load(&args.mesh, &SceneOptions::default())?;
     warn(&cell.warnings);
-    let display = ProgressDisplay::of_study();
+    let display = ProgressDisplay::of_steps();
     let study = study.run(&cell, &|name, done, all| display.step(name, done, all))?;
     display.finish();
     if let Some(csv) = csv {

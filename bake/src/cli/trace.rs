@@ -2,7 +2,7 @@
 
 use crate::cell::Prepared;
 use crate::cli::calls::Caller;
-use crate::cli::cell::CellArgs;
+use crate::cli::cell::{CellArgs, IndexArgs};
 use crate::cli::display::ProgressDisplay;
 use crate::cli::report;
 use crate::error::Error;
@@ -27,12 +27,8 @@ pub(crate) struct TraceArgs {
     /// With several wavelengths, write {nm} in the name where the wavelength belongs.
     #[arg(short, long, value_name = "TABLE.h5")]
     output: PathBuf,
-    /// Refractive index behind the front face [default: the file's, else 1]
-    ///
-    /// A number from 1 to 10; a material: pmma (acrylic), polycarbonate or bk7; or pairs nm:index
-    /// such as 450:1.50,650:1.49. A material and pairs need --wavelength-nm.
-    #[arg(long, value_name = "M", allow_hyphen_values = true)]
-    refractive_index: Option<String>,
+    #[command(flatten)]
+    index: IndexArgs,
     #[command(flatten)]
     request: Request,
     /// Wavelengths in vacuum, nm
@@ -78,12 +74,10 @@ pub(crate) struct TraceArgs {
 impl TraceArgs {
     /// Returns what is asked of the table of one wavelength (nm), or of the only table.
     fn request(&self, wavelength_nm: Option<f64>) -> Result<Request, Error> {
-        let index = self.refractive_index.as_deref();
-        let index = index.map(|text| material::refractive_index(text, wavelength_nm));
         let metal = self.metal.as_deref();
         let metal = metal.map(|text| material::metal(text, wavelength_nm));
         Ok(Request {
-            refractive_index: index.transpose()?,
+            refractive_index: self.index.at(wavelength_nm)?,
             metal: metal.transpose()?,
             wavelength_nm,
             ..self.request.clone()

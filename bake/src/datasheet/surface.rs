@@ -17,13 +17,16 @@ pub enum Surface {
 }
 
 impl Surface {
+    /// All surfaces.
+    pub const ALL: [Surface; 3] = [Surface::Mirrors, Surface::Metal, Surface::TotalReflection];
+
     /// Returns the surfaces that a cell of this refractive index can have.
     ///
     /// A hollow cell (index 1) has no total reflection.
     pub fn of_index(refractive_index: f64) -> &'static [Surface] {
         match refractive_index > 1.0 {
-            true => &[Surface::Mirrors, Surface::Metal, Surface::TotalReflection],
-            false => &[Surface::Mirrors, Surface::Metal],
+            true => &Surface::ALL,
+            false => &Surface::ALL[..2],
         }
     }
 

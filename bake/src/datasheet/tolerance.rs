@@ -4,20 +4,16 @@
 //! that of wave optics ([`tables::WaveLine`]): ray shift, diffraction and the directions of the
 //! orders of facets.
 
-use crate::beams::Share;
+use crate::beams::Returned;
 use crate::cell::{ExactCell, Part};
 use crate::datasheet::bend::Corner;
 use crate::datasheet::request::DatasheetRequest;
 use crate::datasheet::surface::Surface;
 use crate::optics::Rules;
 use crate::samples::{Stream, centred};
-use ndarray::Array2;
 use std::f64::consts::TAU;
+use tables::WaveLine;
 use tables::options::Sampler;
-use tables::{Direction, WaveLine};
-
-/// Edge normals of the two MTFs in the mid-air image: (tangential, sagittal).
-const NORMALS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
 /// Steps of the search for MTF50 in one period of each of the three things that blur.
 const STEPS: f64 = 64.0;
@@ -104,16 +100,6 @@ fn normals(pair: [u32; 2]) -> [f64; 2] {
     [radius * cosine, radius * sine]
 }
 
-/// What light of one direction does in one cell.
-struct Seen {
-    eta: f64,
-    lines: [Option<WaveLine>; 2],
-    /// Largest deviation, rad.
-    deviation: f64,
-    /// Highest frequency of the OTF, 1/mm.
-    highest: f64,
-}
-
 impl Tolerance {
     /// Computes eta and MTF50 of the cell `nominal` and of `random` cells.
     pub(crate) fn new(
@@ -123,10 +109,11 @@ impl Tolerance {
         request: &DatasheetRequest,
         (incidence_deg, c_mm): (f64, f64),
     ) -> Tolerance {
-        let see = |cell: &ExactCell| seen(cell, rules, request, (incidence_deg, c_mm));
+        let direction = [incidence_deg, request.azimuth_deg];
+        let see = |cell: &ExactCell| Returned::new(cell, rules, direction, request.wavelength_nm);
         let lengths = [c_mm, request.distance_mm];
         let own = see(nominal);
-        let all: Vec<Seen> = random.unwrap_or_default().iter().map(see).collect();
+        let all: Vec<Returned> = random.unwrap_or_default().iter().map(see).collect();
         let etas: Vec<f64> = all.iter().map(|seen| seen.eta).collect();
         let of_cells = |k: usize| -> Vec<f64> {
             let each = all.iter().map(std::slice::from_ref);
@@ -144,52 +131,12 @@ impl Tolerance {
     }
 }
 
-/// Follows the light of one direction through a cell.
-fn seen(
-    cell: &ExactCell,
-    rules: &Rules,
-    request: &DatasheetRequest,
-    (incidence_deg, c_mm): (f64, f64),
-) -> Seen {
-    let Share {
-        paths,
-        retroreflected,
-        ..
-    } = cell.direction(incidence_deg, request.azimuth_deg, 1, 2.0, rules);
-    let deviation = paths.iter().map(|p| p.deviation[0].hypot(p.deviation[1]));
-    let deviation = deviation.fold(0.0, f64::max);
-    let direction = Direction {
-        incidence_deg,
-        azimuth_deg: request.azimuth_deg,
-        retroreflected,
-        probability: Array2::zeros((1, 1)),
-        range: 2.0,
-        standard_error: 0.0,
-        interpolated: false,
-        paths: Some(paths),
-        exits: None,
-    };
-    let incidence_rad = incidence_deg.to_radians();
-    let spectrum = [(request.wavelength_nm, 1.0)];
-    let line = |normal: [f64; 2]| {
-        let line = || WaveLine::new(&direction, incidence_rad, normal, &spectrum).ok();
-        (retroreflected > 0.0).then(line).flatten()
-    };
-    let lengths = [c_mm, request.distance_mm, 1e-6 * request.wavelength_nm];
-    Seen {
-        eta: retroreflected,
-        lines: NORMALS.map(line),
-        deviation,
-        highest: WaveLine::highest_frequency(&direction, incidence_rad, lengths),
-    }
-}
-
 /// Returns the smallest frequency at which the MTF of all these cells together is below 1/2, 1/mm.
 ///
 /// Cells add incoherently, each weighted by its eta. The search goes up in steps of a 64th of the
 /// shortest period of shift, deviation and diffraction, and halves the step in which the MTF passes
 /// 1/2. Returns `None` if no cell returns light, or one of them has no waves.
-fn mtf50(cells: &[Seen], normal: usize, [c_mm, r_mm]: [f64; 2]) -> Option<f64> {
+fn mtf50(cells: &[Returned], normal: usize, [c_mm, r_mm]: [f64; 2]) -> Option<f64> {
     let lit = || cells.iter().filter(|seen| seen.eta > 0.0);
     let total: f64 = lit().map(|seen| seen.eta).sum();
     let lines = lit().map(|seen| Some((seen.eta / total, seen.lines[normal].as_ref()?)));
@@ -197,8 +144,9 @@ fn mtf50(cells: &[Seen], normal: usize, [c_mm, r_mm]: [f64; 2]) -> Option<f64> {
     if lines.is_empty() {
         return None;
     }
-    let most = |of: fn(&Seen) -> f64| lit().map(of).fold(0.0, f64::max);
-    let (deviation, highest) = (most(|seen| seen.deviation), most(|seen| seen.highest));
+    let most = |of: &dyn Fn(&Returned) -> f64| lit().map(of).fold(0.0, f64::max);
+    let deviation = most(&|seen| seen.deviation);
+    let highest = most(&|seen| seen.highest_frequency(c_mm, r_mm));
     let mtf = |frequency: f64| {
         let otf = lines.iter().map(|(share, line)| {
             let (otf, _) = line.otf(c_mm, r_mm, frequency);

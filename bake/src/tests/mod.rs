@@ -14,6 +14,7 @@ mod deviations;
 mod elements;
 mod exact;
 mod hard_cases;
+mod optimise;
 mod ranks;
 mod rays;
 mod roughness;

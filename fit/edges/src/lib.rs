@@ -18,3 +18,5 @@ pub mod numerics;
 pub mod photographs;
 #[cfg(test)]
 mod tests;
+
+pub use documents::readers;

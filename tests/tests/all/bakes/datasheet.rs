@@ -204,3 +204,54 @@ fn tables_of_two_writings_are_compared() {
     let same = bake(here, "compare cell-obj.h5 cell-obj.h5");
     assert_eq!(same.code, Some(0), "{}", same.err);
 }
+
+/// Tables of one cell agree if its files have 12 digits, and the message about 7 digits says so.
+#[test]
+fn few_digits_explain_a_small_difference() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for file in ["pair.obj", "pair.glb"] {
+        bake(
+            here,
+            &format!("design triangular-pair -o {file} --edge-length 0.18"),
+        )
+        .done();
+    }
+    let rounded = |line: &str| match line.strip_prefix("v ") {
+        Some(numbers) => {
+            let numbers = numbers.split(' ').map(|x| x.parse::<f64>().unwrap());
+            numbers.fold(String::from("v"), |line, x| format!("{line} {x:.12}"))
+        }
+        None => line.to_owned(),
+    };
+    let text = fs::read_to_string(here.join("pair.obj")).unwrap();
+    let lines: Vec<String> = text.lines().map(rounded).collect();
+    fs::write(here.join("rounded.obj"), lines.join("\n")).unwrap();
+    for file in ["pair.obj", "rounded.obj", "pair.glb"] {
+        let words = format!("trace {file} -o {file}.h5 --refractive-index 1.49 --incidence 0,20");
+        bake(here, &words).done();
+    }
+    assert_eq!(
+        bake(here, "compare pair.obj.h5 rounded.obj.h5").code,
+        Some(0)
+    );
+    let run = bake(here, "compare pair.obj.h5 pair.glb.h5");
+    assert_eq!(run.code, Some(1), "{}", run.err);
+    assert!(run.err.contains("few digits"), "{}", run.err);
+    bake(
+        here,
+        "design triangular-pair -o other.obj --edge-length 0.18 --gap 0.001",
+    )
+    .done();
+    bake(
+        here,
+        "trace other.obj -o other.h5 --refractive-index 1.49 --incidence 0,20",
+    )
+    .done();
+    let run = bake(here, "compare pair.obj.h5 other.h5");
+    assert!(
+        run.code == Some(1) && !run.err.contains("few digits"),
+        "{}",
+        run.err
+    );
+}

@@ -6,6 +6,7 @@ mod deviations;
 mod elements;
 mod expected_table;
 mod front;
+mod optimise;
 mod rough;
 mod sheets;
 mod wave;

@@ -107,8 +107,12 @@ fn every_example_runs_as_printed() {
     }
     let (mut with_example, mut ran) = (0, 0);
     for (verb, help) in &helps {
-        for (of, name) in [("simulate", "PARAMS.toml"), ("plan", "PLAN.toml")] {
-            if verb == &format!("fit {of}") {
+        for (of, name) in [
+            ("bake optimise", "GOAL.toml"),
+            ("fit simulate", "PARAMS.toml"),
+            ("fit plan", "PLAN.toml"),
+        ] {
+            if verb == of {
                 std::fs::write(here.join(name.to_lowercase()), shown(help, name)).unwrap();
             }
         }

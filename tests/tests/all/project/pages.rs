@@ -83,7 +83,7 @@ fn run_python(page: &str, here: &Path, arguments: &[String]) {
 fn after_readme() -> (TempDir, [usize; 2]) {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    for name in ["tests", "fit", "doc", "tables"] {
+    for name in ["tests", "fit", "bake", "doc", "tables"] {
         std::os::unix::fs::symlink(project().join(name), here.join(name)).unwrap();
     }
     let counts = run_page("README.md", here);

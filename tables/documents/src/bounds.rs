@@ -11,8 +11,6 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use toml::Value;
 
-use crate::names::Spectrum;
-
 /// Least number above 0: a picometre in mm, and less.
 const LEAST: f64 = 1e-9;
 /// Greatest number: a thousand kilometres in mm.
@@ -183,7 +181,7 @@ macro_rules! readers {
             /// Reads a value within its bounds.
             $visibility fn $name<'de, T, D>(value: D) -> Result<T, D::Error>
         where
-            T: $crate::document::Bounded,
+            T: $crate::Bounded,
             D: serde::Deserializer<'de>,
         {
             T::within(value, $bounds)
@@ -230,21 +228,4 @@ fn named<T, E: Error>(word: &str, names: &[&str], parse: fn(&str) -> Option<T>) 
             "is \"{word}\", which means nothing; use one of {names}"
         ))
     })
-}
-
-/// Reads a spectrum: a number, or text that [`Spectrum::parse`] reads.
-pub fn spectrum<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Spectrum>, D::Error> {
-    let spectrum = match Value::deserialize(value)? {
-        Value::String(text) => Spectrum::parse(&text),
-        Value::Float(number) => Spectrum::monochromatic(number),
-        Value::Integer(number) => Spectrum::monochromatic(number as f64),
-        other => {
-            let found = other.type_str();
-            return Err(D::Error::custom(format!(
-                "must be a number or a text such as \"450:0.2,550:0.5\", not of type {found}; \
-                change the value"
-            )));
-        }
-    };
-    spectrum.map(Some).map_err(D::Error::custom)
 }

@@ -61,7 +61,7 @@ impl Document {
     /// Returns an error if the file cannot be opened or read, is not UTF-8, or is longer than
     /// 1 MiB.
     pub fn read(file: &Path) -> Result<Document, Error> {
-        match crate::document::read(file, MOST_BYTES) {
+        match crate::read(file, MOST_BYTES) {
             Ok(text) => Ok(Document::new(file, text)),
             Err(why) => Err(Document::new(file, String::new()).error(format!(
                 "cannot be read ({why}); check the path, its permissions and that it is UTF-8 text"
@@ -70,7 +70,7 @@ impl Document {
     }
 
     /// Makes the document of a text in memory; `file` is its name for messages.
-    pub(crate) fn new(file: &Path, text: String) -> Document {
+    pub fn new(file: &Path, text: String) -> Document {
         Document {
             file: file.to_owned(),
             feeds: text.match_indices('\n').map(|(offset, _)| offset).collect(),

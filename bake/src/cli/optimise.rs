@@ -1,0 +1,69 @@
+//! `bake optimise`: reads a goal, searches the best cell, and writes its mesh.
+
+use crate::cli::design;
+use crate::cli::display::ProgressDisplay;
+use crate::error::Error;
+use crate::optimise::{Best, Goal, optimise, report};
+use crate::plan::heading;
+use crate::run::Progress;
+use clap::Args;
+use std::path::PathBuf;
+use std::time::Instant;
+use tables::Outputs;
+use tables::cli::{in_a_line, print, reserve_plot, warn};
+
+/// Options of `bake optimise`.
+#[derive(Debug, Args)]
+pub(crate) struct OptimiseArgs {
+    /// What is wanted and what may vary, as TOML
+    #[arg(value_name = "GOAL.toml")]
+    goal: PathBuf,
+    /// Mesh of the best cell: .obj (exact digits) or .glb, in mm
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Picture of the front, .svg; needs best = "both"
+    #[arg(long, value_name = "FILE.svg", help_heading = heading::OUTPUT)]
+    plot: Option<PathBuf>,
+    /// Prints everything as one JSON object
+    #[arg(long, help_heading = heading::OUTPUT)]
+    json: bool,
+}
+
+/// Runs `bake optimise`.
+pub(crate) fn run(args: &OptimiseArgs) -> Result<(), Error> {
+    let goal = Goal::load(&args.goal)?;
+    if args.plot.is_some() && goal.best != Best::Both {
+        return Err(Error::Usage(
+            "--plot draws the front of sharpness and light, which needs best = \"both\" in the goal; \
+            write it there, or leave out --plot"
+                .into(),
+        ));
+    }
+    let format = design::Format::of(&args.output)?;
+    let mut outputs = Outputs::beside([args.goal.as_path()]);
+    let output = outputs.reserve(&args.output)?;
+    let plot = reserve_plot(args.plot.as_deref(), &mut outputs)?;
+    let display = ProgressDisplay::of_steps();
+    display.begin("cells", goal.cells);
+    let start = Instant::now();
+    let told = |cells: u64| display.advance(cells);
+    let answer = optimise(&goal, Progress::new(&told))?;
+    let seconds = start.elapsed().as_secs_f64();
+    display.finish();
+    output.commit(&format.bytes(&answer.mesh)?)?;
+    if let Some(plot) = plot {
+        plot.commit(report::picture(&goal, &answer).as_bytes())?;
+    }
+    let differ = answer.checks.iter().filter(|own| !own.agrees).count();
+    if differ > 0 {
+        warn(&[format!(
+            "rays and polygons differ in {differ} directions: one of them is wrong; please report it"
+        )]);
+    }
+    let name = args.output.display().to_string();
+    let name = in_a_line(&name);
+    Ok(print(&match args.json {
+        true => format!("{}\n", report::json(&answer, &name, seconds)),
+        false => report::text(&answer, &name, seconds),
+    })?)
+}
