@@ -5,7 +5,7 @@ Three steps, from nothing to the sharpness of a mid-air image::
     import midair
 
     table = midair.trace(midair.design("triangular-pair"), refractive_index=1.49, azimuth=30)
-    result = midair.estimate("captures.toml", table)
+    result = midair.estimate(midair.example(), table)
     result.predict(distance=[150, 300], incidence=[0, 20, 40]).mtf
 
 The functions are those of the programs `bake` and `fit`: the same numbers, the same defaults, the
@@ -21,7 +21,7 @@ from midair._compare import Comparison, Shot, compare
 from midair._errors import Error, MidairWarning
 from midair._evaluate import Scores, evaluate
 from midair._fit import Edge, Estimate, Report, Result
-from midair._fit import estimate, load, measure, sheet, simulate, study
+from midair._fit import estimate, example, load, measure, sheet, simulate, study
 from midair._mesh import Mesh, design
 from midair._picture import picture
 from midair._register import Registration, register
@@ -47,6 +47,7 @@ __all__ = [
     "design",
     "estimate",
     "evaluate",
+    "example",
     "load",
     "measure",
     "open",

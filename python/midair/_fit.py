@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
+import pathlib
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -901,6 +902,20 @@ def sheet(
     with refusals():
         made = _midair.sheet(words(**options), source._table)
     return Result(made, source, has_pitch=pixel_pitch is not None)
+
+
+def example() -> str:
+    """Return the manifest of a small campaign that comes with the package.
+
+    It has eight simulated photographs of a sheet of acrylic (index 1.49) at azimuth 30 degrees,
+    whose c is 0.33 mm. ``truth.json`` beside the manifest holds all that was planted.
+
+    Returns
+    -------
+    str
+        Path of the manifest, for `estimate`.
+    """
+    return str(pathlib.Path(__file__).with_name("example") / "captures.toml")
 
 
 def simulate(

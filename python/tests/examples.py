@@ -13,8 +13,11 @@ import numpy as np
 
 
 def readme(captures: str) -> midair.Result:
-    """The three lines of the README."""
+    """The three lines of the README, and a campaign of one's own."""
     table = midair.trace(midair.design("triangular-pair"), refractive_index=1.49, azimuth=30)
+    result = midair.estimate(midair.example(), table)
+    assert result.c is not None and result.c.value is not None
+    assert abs(result.c.value - 0.33) < 0.003
     result = midair.estimate(captures, table)
     result.predict(distance=[150, 300], incidence=range(0, 50, 5)).mtf
     return result
