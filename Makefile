@@ -92,6 +92,11 @@ test: fmt lint doc python
 	@sort "$(SKIPPED)" 2>/dev/null | uniq -c | sed 's/^ */skipped tests: /' || true
 SKIPPED = $(abspath $(TARGET))/skipped
 
+# Tests of whole programs by name. Without the dev-dependencies of all members (`cargo build`, `-p`)
+# everything would be compiled anew.
+WHOLE = AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --bins --test all --locked -- \
+	--ignored --nocapture
+
 FIT = -p fit -p edges -p estimator -p lab -p pictures
 
 # The long parts that need nothing more than `test` does: `.ci/run` runs one of them after it.
@@ -110,11 +115,10 @@ test-statistics: rust tools
 	@$(CARGO) test $(FIT) -p midair --lib --locked -- --ignored \
 		$(addprefix --skip ,$(SLOWEST))
 
-test-slowest: rust tools
+test-slowest: rust tools python
 	@echo "== the slowest statistics of fit, waves and programs of rays, uneven cubes" >&2
-	@$(CARGO) test $(FIT) -p bake -p midair --lib --locked -- --ignored $(SLOWEST)
-	@$(CARGO) build --workspace --locked
-	@$(CARGO) test -p tests --test all --locked -- --ignored deviations:: wave::
+	@$(CARGO) test --workspace --lib --locked -- --ignored $(SLOWEST)
+	@$(WHOLE) deviations:: wave::
 SLOWEST = statistics_near_full_scale statistics_of_uneven_light statistics_of_bounds \
 	statistics_of_correlated_noise statistics_of_predictions statistics_of_mtf10_in_noise \
 	traced_photographs_give_their_corner_size programs_record_what_single_rays_do \
@@ -125,17 +129,13 @@ SLOWEST = statistics_near_full_scale statistics_of_uneven_light statistics_of_bo
 # Every command of the pages and of the help, and what the pages show of it; pages in a browser.
 test-pages: rust tools python
 	@echo "== commands of the pages and of the help, and pages in a browser" >&2
-	@$(CARGO) build --workspace --locked
-	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test -p tests --test all --locked -- --ignored \
-		--nocapture pages:: help:: explore::
+	@$(WHOLE) pages:: help:: explore::
 
 # A hundred kills of every command that writes, at random times; hostile files, broken streams, and
 # the largest files that are read.
 test-kills: rust tools python
 	@echo "== kills, hostile files and files at the limits" >&2
-	@$(CARGO) build --workspace --locked
-	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test -p tests -p bake --test all --locked -- \
-		--ignored --nocapture kills:: hostile:: caps:: streams:: resume::
+	@$(WHOLE) kills:: hostile:: caps:: streams:: resume::
 
 test-mpi: rust tools
 	@command -v mpirun >/dev/null || { \

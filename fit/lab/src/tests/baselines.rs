@@ -516,6 +516,7 @@ fn fitted<'a>(scene: &'a Scene, family: Family) -> Selection<'a> {
     let open = Candidates {
         kernels: family.kernels().to_vec(),
         shapes: family.shapes().to_vec(),
+        spare_shapes: Vec::new(),
         per_angle_a: Some(false),
         per_angle_mu: None,
     };

@@ -229,6 +229,7 @@ fn selection_finds_the_planted_terms() {
     let everything = Candidates {
         kernels: vec![Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe],
         shapes: vec![LobeShape::Radial, LobeShape::Separable],
+        spare_shapes: Vec::new(),
         per_angle_a: None,
         per_angle_mu: None,
     };

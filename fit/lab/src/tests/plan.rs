@@ -202,6 +202,7 @@ fn a_given_result_adds_its_information() {
     let options = Options::new(Candidates {
         kernels: vec![Kernel::Eq1],
         shapes: vec![LobeShape::Radial],
+        spare_shapes: Vec::new(),
         per_angle_a: Some(false),
         per_angle_mu: Some(false),
     });

@@ -154,6 +154,7 @@ fn a_study_of_photographs_names_every_parameter_and_fit() {
     let open = Candidates {
         kernels: vec![Kernel::Eq1, Kernel::Lobe],
         shapes: vec![LobeShape::Radial],
+        spare_shapes: Vec::new(),
         per_angle_a: Some(true),
         per_angle_mu: Some(false),
     };

@@ -16,7 +16,7 @@ use edges::photographs::{Campaign, captures};
 use estimator::Error;
 use estimator::estimate::campaign::campaign;
 use estimator::estimate::{
-    Candidates, Estimated, Kind, Options, OtherTable, Progress, Scene, Step, Verdict,
+    Candidates, Estimated, Kind, Options, OtherTable, Progress, Ranked, Scene, Step, Verdict,
 };
 use tables::Table;
 
@@ -320,6 +320,37 @@ fn wrong_tables_are_noticed() {
         wrong.suspects[0].what,
         "the refractive index is 1.49, not 1"
     );
+}
+
+/// A spare lobe joins the candidates where the default one does not describe the photographs, and
+/// only there.
+#[test]
+fn a_spare_lobe_joins_where_it_is_needed() {
+    let options = Options::new(Candidates {
+        kernels: vec![Kernel::Eq1],
+        spare_shapes: vec![LobeShape::Separable],
+        ..Candidates::proposed()
+    });
+    for planted in LobeShape::COMPARED {
+        let sheet = truth(Kernel::Eq1, planted, 3.4, 0.33, 0.5);
+        let shots = params(
+            72,
+            sheet.clone(),
+            &[0.0, 20.0],
+            &[150.0, 300.0],
+            camera(4e4),
+        );
+        let of_ideal = table(&sheet, &[0.0, 20.0], AZIMUTH);
+        let fit = found(&shots, &of_ideal, &options, |_| ()).unwrap();
+        println!("{planted:?}: {:?} of {}", fit.goodness, fit.compared.len());
+        assert_eq!(fit.goodness.verdict, Verdict::Good);
+        assert_eq!(fit.best.choice.shape, planted);
+        let spare = |row: &Ranked| row.choice.shape == LobeShape::Separable;
+        assert_eq!(
+            fit.compared.iter().any(spare),
+            planted == LobeShape::Separable
+        );
+    }
 }
 
 /// The default lobe does not describe photographs of the other one.

@@ -430,6 +430,7 @@ fn planted_campaigns_are_recovered() {
     let auto = Candidates {
         kernels: Kernel::ALL.to_vec(),
         shapes: vec![LobeShape::Radial],
+        spare_shapes: Vec::new(),
         per_angle_a: None,
         per_angle_mu: None,
     };

@@ -129,7 +129,10 @@ fn lobes(text: &str) -> Result<Lobes, String> {
 /// Returns the first line of help on the lobe, which names all shapes.
 fn shape_of_the_lobe() -> String {
     let names = LobeShape::NAMES.join(", ");
-    format!("Shape of the lobe: {names} or auto; radial if left out")
+    format!(
+        "Shape of the lobe: {names} or auto; radial if left out, and separable where \
+        radial does not describe the photographs"
+    )
 }
 
 impl Terms {
@@ -176,6 +179,10 @@ impl Terms {
                 return Err(Failure::conflict(verb, message));
             }
         };
+        let spare_shapes = match self.lobe {
+            None if !baseline => vec![LobeShape::Separable],
+            _ => Vec::new(),
+        };
         Ok(Candidates {
             kernels: if baseline {
                 self.model.kernels().to_vec()
@@ -183,6 +190,7 @@ impl Terms {
                 self.kernel.0.clone()
             },
             shapes,
+            spare_shapes,
             // The roughness of a material is one number, unless the user asks for one per angle.
             per_angle_a: sharing(PerAngle::A, SharedName::A)?.or(baseline.then_some(false)),
             per_angle_mu: sharing(PerAngle::Mu, SharedName::Mu)?,

@@ -46,7 +46,7 @@ const PROMISING: f64 = 0.5;
 
 /// Chi-square per degree of freedom from which on a candidate is far from the photographs: its
 /// misfit is then as large as the noise.
-const FAR: f64 = 2.0;
+pub(super) const FAR: f64 = 2.0;
 
 /// Share of a large misfit that a blur has to explain, as a suspect has to.
 const EXPLAINED: f64 = 0.5;
@@ -440,10 +440,10 @@ fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) 
     found
 }
 
-/// Returns whether a blur that leaves the misfit `left` explains the misfit `before`. A mistake in
-/// the manifest also leaves what a blur lessens a little. Of a large misfit a blur has to explain
-/// half.
-fn explains(before: f64, left: f64) -> bool {
+/// Returns whether terms that leave the misfit `left` explain the misfit `before`. A mistake in
+/// the manifest also leaves what further terms lessen a little. Of a large misfit they have to
+/// explain half.
+pub(super) fn explains(before: f64, left: f64) -> bool {
     before <= FAR || left - 1.0 <= EXPLAINED * (before - 1.0)
 }
 

@@ -57,6 +57,9 @@ pub struct Candidates {
     pub kernels: Vec<Kernel>,
     /// Lobe shapes.
     pub shapes: Vec<LobeShape>,
+    /// Lobe shapes that join them where no candidate describes the photographs, if one with them
+    /// comes far nearer.
+    pub spare_shapes: Vec<LobeShape>,
     /// `Some(true)` for one spread per incidence, `Some(false)` for one spread for all, `None` to
     /// try both.
     pub per_angle_a: Option<bool>,
@@ -66,11 +69,12 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// Returns all terms of the proposed model with its first lobe shape: the default.
+    /// Returns all terms of the proposed model with its first lobe shape alone.
     pub fn proposed() -> Candidates {
         Candidates {
             kernels: Kernel::ALL.to_vec(),
             shapes: vec![LobeShape::ALL[0]],
+            spare_shapes: Vec::new(),
             per_angle_a: None,
             per_angle_mu: None,
         }
@@ -206,14 +210,17 @@ pub fn select<'a>(
     progress: &Progress,
 ) -> Result<Selection<'a>, Error> {
     let choices = choices(scene, open);
-    let (done, of) = (AtomicUsize::new(0), 2 * choices.len());
+    let (done, of) = (AtomicUsize::new(0), AtomicUsize::new(2 * choices.len()));
     let counted = |fit: Optimum| {
         let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+        let of = of.load(Ordering::Relaxed);
         progress.done(Step::Candidates { done, of }).map(|()| fit)
     };
-    let choices = choices.into_par_iter();
-    let roughly = choices.map(|choice| counted(rough(scene, choice)));
+    let roughly = (choices.into_par_iter()).map(|choice| counted(rough(scene, choice)));
     let mut fits: Vec<Optimum> = roughly.collect::<Result<_, Cancelled>>()?;
+    let spare = spare(scene, open, misfit(&fits));
+    of.fetch_add(spare.len(), Ordering::Relaxed);
+    fits.extend(spare);
     share_c(scene, &mut fits);
     let scale = misfit(&fits);
     let nearest = fits
@@ -249,6 +256,27 @@ pub fn select<'a>(
         best,
         compared,
     })
+}
+
+/// Fits the candidates with spare shapes to the MTFs. Returns none where others describe the
+/// photographs, or where these explain too little of the misfit that the others leave.
+fn spare(scene: &Scene, open: &Candidates, left: f64) -> Vec<Optimum> {
+    if open.spare_shapes.is_empty() || left <= further::FAR {
+        return Vec::new();
+    }
+    let kernels = open.kernels.iter().filter(|kernel| kernel.has_lobe());
+    let open = Candidates {
+        kernels: kernels.copied().collect(),
+        shapes: open.spare_shapes.clone(),
+        ..open.clone()
+    };
+    let fits = choices(scene, &open).into_par_iter();
+    let fits: Vec<Optimum> = fits.map(|choice| rough(scene, choice)).collect();
+    if further::explains(left, misfit(&fits)) {
+        fits
+    } else {
+        Vec::new()
+    }
 }
 
 /// Returns the estimate of a candidate, with one mu for all incidences unless the photographs need
