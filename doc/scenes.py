@@ -146,11 +146,11 @@ def figure(make, table, lobe, fov, zoom, name, title):
         ("close up, by the table of ray shifts", SHEET, zoom, CLOSE),
         ("close up, by a lobe without ray shift", {**SHEET, "c": 0.0, "A": lobe}, zoom, CLOSE),
     ]
-    whole = Image.new("RGB", (WIDE + 2 * CLOSE + 16, HEIGHT + 18), "white")
+    whole = Image.new("RGB", (WIDE + 2 * CLOSE + 16, HEIGHT + 20), "white")
     draw, left = ImageDraw.Draw(whole), 0
     for caption, numbers, angle, width in panels:
         whole.paste(picture(make, table, numbers, angle, (width, HEIGHT)), (left, 0))
-        draw.text((left + 2, HEIGHT + 3), caption, fill="black")
+        draw.text((left + 2, HEIGHT + 3), caption, fill="black", font_size=14)
         left += width + 8
     whole.quantize(256, dither=Image.Dither.NONE).save(HERE / name, optimize=True)
 
