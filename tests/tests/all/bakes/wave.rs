@@ -313,6 +313,7 @@ fn a_setup_that_cannot_be_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let ideal = bake_table(here, "triangular-pair", "0", "0");
+    std::fs::write(here.join("infrared.csv"), "850,1\n950,1\n").unwrap();
     let refused = |keys: &str, said: &str| {
         std::fs::write(here.join("s.toml"), format!("[setup]\n{keys}")).unwrap();
         let sheet = format!("--c 0.15 --a-times-r 700 --table {ideal} --setup s.toml");
@@ -334,6 +335,7 @@ fn a_setup_that_cannot_be_is_refused() {
         ("half_mirror_reflectance = { s = 2, p = 0 }", "from 0 to 1"),
         ("spectrum = \"LED-B9\"", "LED-B5"),
         ("camera_response = \"camera.csv\"", "spectrum"),
+        ("spectrum = \"infrared.csv\"", "camera_response"),
         ("spectrum = \"D65\"\nwavelength_nm = 550", "leave one out"),
         ("haze = { share = 2, spread_deg = 5 }", "at most 1"),
         ("front_index = 0.5", "refractive index"),
