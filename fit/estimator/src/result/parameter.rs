@@ -17,7 +17,7 @@ pub enum Parameter {
 
 /// Number with its error.
 ///
-/// The value is null if the photographs give only a bound (see [`ResultFile::bounds`]).
+/// The value is null if the photographs give only a bound (see [`bounds`](crate::result::ResultFile::bounds)).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Number {
     /// Estimate.

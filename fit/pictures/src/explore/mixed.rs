@@ -392,14 +392,21 @@ fn misfit_at(mixed: &Mixed<'_>, place: &Viewpoint, brightest: f64) -> Result<Mis
     let damped = |k: i64| sinc(PI * k as f64 / POINTS as f64).powi(2);
     let mut off = vec![Complex64::ZERO; POINTS * POINTS];
     let mut whole = off.clone();
-    for y in -half + 1..half {
-        for x in -half + 1..half {
+    let place = |x: i64, y: i64| {
+        let [x, y] = [x, y].map(|k| k.rem_euclid(POINTS as i64) as usize);
+        y * POINTS + x
+    };
+    // Light is real: the other half of the frequencies are the conjugates of these.
+    for y in 0..half {
+        let first = if y > 0 { 1 - half } else { 0 };
+        for x in first..half {
             let frequency = [x, y].map(|k| step * k as f64);
             let weight = damped(x) * damped(y);
-            let at = y.rem_euclid(POINTS as i64) * POINTS as i64 + x.rem_euclid(POINTS as i64);
             let exact = truth.otf(frequency) * own;
-            off[at as usize] = (found.otf(frequency) * found.light - exact) * weight;
-            whole[at as usize] = exact * weight;
+            let difference = (found.otf(frequency) * found.light - exact) * weight;
+            (off[place(-x, -y)], off[place(x, y)]) = (difference.conj(), difference);
+            let exact = exact * weight;
+            (whole[place(-x, -y)], whole[place(x, y)]) = (exact.conj(), exact);
         }
     }
     let differences = spread_of(off);
