@@ -156,7 +156,7 @@ test-lean: rust tools
 test-raw: rust tools
 	@echo "== camera raw" >&2
 	@$(CARGO) clippy -p fit -p lab --features fit/raw,lab/raw --all-targets --locked -- -D warnings
-	@$(CARGO) test -p edges -p lab --features lab/raw --lib --locked -- tests::raw tests::photographs
+	@$(CARGO) test -p edges -p lab --features lab/raw --lib --locked -- raw:: photographs::
 
 # A minute of random files for each reader of files; hours are in CONTRIBUTING.md. libhdf5 asks for
 # as much memory as a damaged file says. In `airr-reader` a limit refuses that; here it is allowed.

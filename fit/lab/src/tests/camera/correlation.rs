@@ -7,7 +7,7 @@ use crate::simulate;
 use crate::simulate::Params;
 use crate::simulate::photograph::{light, photograph};
 use crate::study::trial::{campaign, source};
-use crate::tests::statistics::{check, is_corrected, pulls_of_fit};
+use crate::tests::studies::statistics::{check, is_corrected, pulls_of_fit};
 use edges::names::{Kernel, LobeShape};
 use estimator::estimate::{Kind, Scene};
 

@@ -12,7 +12,7 @@ use crate::simulate::PlantedCamera;
 use crate::simulate::photograph::{light, photograph};
 use crate::study::trial::{campaign, source};
 use crate::study::{LOSSES, PARAMETERS, Ranges, Summary, Trial, choice, refused, tells};
-use crate::tests::study::{run, trials};
+use crate::tests::studies::study::{run, trials};
 use edges::names::Kernel;
 use edges::names::LobeShape;
 use edges::names::Spectrum;

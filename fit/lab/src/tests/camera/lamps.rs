@@ -3,7 +3,7 @@
 
 use crate::planted::Stream;
 use crate::planted::{photo, with_noise};
-use crate::tests::statistics::check;
+use crate::tests::studies::statistics::check;
 use edges::photographs::PixelNoise;
 use edges::photographs::edge::line::{Bend, EdgeLine, ORDERS};
 use edges::photographs::measure;

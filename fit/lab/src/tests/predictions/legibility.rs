@@ -2,7 +2,7 @@
 //! differences.
 
 use crate::planted::{table, truth};
-use crate::tests::prediction::{result, with};
+use crate::tests::predictions::prediction::{result, with};
 use edges::names::{Kernel, LobeShape};
 use estimator::predict::{Fitted, Legibility, Limit, Viewing, Viewpoint, legibility};
 use estimator::result::ResultFile;

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use crate::planted::Stream;
-use crate::tests::statistics::check;
+use crate::tests::studies::statistics::check;
 use edges::photographs::crossing::{Curve, Measured};
 use edges::photographs::edge::fault::Fault;
 use edges::photographs::edge::slant;

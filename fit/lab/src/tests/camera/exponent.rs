@@ -9,7 +9,7 @@ use crate::planted::{SHARED, camera, fitted, params, table, truth};
 use crate::simulate::photograph::light;
 use crate::simulate::{Params, PixelNoise, PlantedCamera};
 use crate::study::trial::{campaign, source};
-use crate::tests::statistics::pulls_of_fit;
+use crate::tests::studies::statistics::pulls_of_fit;
 use edges::names::Kernel;
 use edges::names::LobeShape;
 use estimator::estimate::{Joint, Kind, Layout, Scene};

@@ -10,7 +10,7 @@ use crate::simulate::photograph::saved;
 use crate::simulate::{Params, PlantedCamera, PlantedEdge, PlantedShot};
 use crate::study::choice::without_noise;
 use crate::study::trial::{campaign, noise, planted, source};
-use crate::tests::statistics::{check, pulls_of_fit};
+use crate::tests::studies::statistics::{check, pulls_of_fit};
 use edges::names::{Kernel, LobeShape, ParameterKind};
 use estimator::estimate::campaign::campaign as estimated;
 use estimator::estimate::search::optimum::optimum;

@@ -6,7 +6,7 @@ use crate::planted::{camera, params, table, truth};
 use crate::simulate::photograph::photograph;
 use crate::simulate::{Params, PlantedSheet};
 use crate::study::trial;
-use crate::tests::azimuth::all_azimuths;
+use crate::tests::estimates::azimuth::all_azimuths;
 use edges::names::{Kernel, LobeShape, ParameterKind, Spectrum};
 use edges::photographs::Campaign;
 use estimator::estimate::campaign::campaign as estimated;

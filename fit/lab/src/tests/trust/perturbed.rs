@@ -4,7 +4,7 @@ use crate::planted::{camera, deviating, params, table, truth};
 use crate::simulate::photograph::photograph;
 use crate::simulate::{Params, PlantedSheet};
 use crate::study::trial;
-use crate::tests::azimuth::all_azimuths;
+use crate::tests::estimates::azimuth::all_azimuths;
 use edges::names::{Kernel, LobeShape};
 use edges::photographs::Campaign;
 use estimator::estimate::{Aerial, Conditions, OtherIndex, Scene};
