@@ -52,7 +52,7 @@ Pair whose faces bulge by 1e-4 edge lengths:
   bake design triangular-pair -o curved.obj --sag 1e-4 --segments 20
 
 Pair with rounded edges, and flat land between the cubes:
-  bake design triangular-pair -o worn.obj --edge-length 0.18 --edge-radius 0.002
+  bake design triangular-pair -o worn.obj --edge-length 0.18 --edge-radius 0.002 \\
       --gap 0.004
 
 Plate of slit mirrors:
@@ -74,33 +74,33 @@ Acrylic prisms at azimuth 30 degrees:
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
 
 All azimuths in steps of 10 degrees:
-  bake trace pair.obj -o all.h5 --refractive-index 1.49 --incidence 0:45:5
+  bake trace pair.obj -o all.h5 --refractive-index 1.49 --incidence 0:45:5 \\
       --azimuth full:10
 
 Any direction, with an interpolation error below 0.005:
-  bake trace pair.obj -o any.h5 --refractive-index 1.49 --incidence 0,45 --azimuth full
+  bake trace pair.obj -o any.h5 --refractive-index 1.49 --incidence 0,45 --azimuth full \\
       --direction-tolerance 0.005
 
 Aluminium mirrors and all losses, with one table for each of three colours:
-  bake trace pair.obj -o pair-{nm}.h5 --refractive-index pmma
+  bake trace pair.obj -o pair-{nm}.h5 --refractive-index pmma \\
       --wavelength-nm 450,550,650 --losses fresnel --metal aluminium
 
 Rough facets:
-  bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20
+  bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20 \\
       --rays 65536 --roughness 0.001
 
 Curved faces, with the normals of the file:
   bake trace curved.obj -o curved.h5 --normals file --incidence 0,20 --rays 100000
 
 Exit directions, within 1 mrad, of a cell that is not ideal:
-  bake trace wide.glb -o wide.h5 --incidence 0:40:20 --method rays --rays 65536
+  bake trace wide.glb -o wide.h5 --incidence 0:40:20 --method rays --rays 65536 \\
       --deviations 1
 
 Plate of slit mirrors:
   bake trace plate.obj -o plate.h5 --element plate --refractive-index 1.5 --azimuth 45
 
 Glass beads on a mirror:
-  bake trace bead.obj -o bead.h5 --glass-index 1.93 --normals file
+  bake trace bead.obj -o bead.h5 --glass-index 1.93 --normals file \\
       --angular-tolerance 2 --incidence 0,30 --rays 65536")]
     Trace(Box<trace::TraceArgs>),
     /// Makes the data sheet of a cell, or compares two cells
@@ -114,7 +114,7 @@ Glass beads on a mirror:
 Examples:
 
 Page of an acrylic prism sheet, with tolerances for 0.3 mrad at 1 m:
-  bake datasheet pair.obj -o pair.html --refractive-index 1.49 --unit mm
+  bake datasheet pair.obj -o pair.html --refractive-index 1.49 --unit mm \\
       --error-mrad 0.3 --distance 1000
 
 Maps of eta as numbers:
@@ -167,7 +167,7 @@ range. Of a front, the cell is written that is nearest to the best of both.
     /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
     #[command(after_help = "\
 Example: up to 16,384 rays per direction, with the curves as a picture
-  bake study pair.obj --refractive-index 1.49 --azimuth 30 --rays 16384
+  bake study pair.obj --refractive-index 1.49 --azimuth 30 --rays 16384 \\
       --plot study.svg")]
     Study(Box<study::StudyArgs>),
     /// Prints what a table contains, and draws it

@@ -9,6 +9,7 @@ use crate::datasheet::surface::Surface;
 use crate::datasheet::tolerance::{Tolerance, random_cells};
 use crate::error::Error;
 use crate::geometry::polygon;
+use crate::plan;
 use crate::run::Progress;
 use meshes::EdgeLengthFrom;
 use rayon::prelude::*;
@@ -108,6 +109,10 @@ pub fn datasheet(
     let corners: Option<Vec<Corner>> = parts.iter().map(Corner::of).collect();
     let corners = corners.filter(|corners| !corners.is_empty());
     let cell = facts(prepared, coordinate_step, request, corners.as_deref());
+    let of_mesh = prepared
+        .cell()
+        .refractive_index_at(Some(request.wavelength_nm));
+    let index_left_out = request.refractive_index.or(of_mesh).is_none();
     let of_surface = |surface: &Surface| {
         let tolerance = request.angular_tolerance_deg.to_radians();
         (
@@ -154,7 +159,7 @@ pub fn datasheet(
         spots: corners.map_or(Vec::new(), |all| {
             spots(&parts, &all, request, &surfaces[0].1)
         }),
-        remarks: remarks(&cell, random.is_none()),
+        remarks: remarks(&cell, random.is_none(), index_left_out),
         cell,
         request: request.clone(),
         surfaces: maps,
@@ -237,8 +242,11 @@ fn mm(unit: Option<&str>) -> f64 {
 }
 
 /// Returns the remarks about a cell.
-fn remarks(cell: &CellFacts, no_errors: bool) -> Vec<String> {
+fn remarks(cell: &CellFacts, no_errors: bool, index_left_out: bool) -> Vec<String> {
     let mut remarks = Vec::new();
+    if index_left_out {
+        remarks.push(plan::INDEX_LEFT_OUT.into());
+    }
     if cell.unit.is_none() {
         remarks.push(format!(
             "the mesh does not say its unit: mm are taken, so the edge length is {} mm; give --unit",

@@ -75,6 +75,31 @@ pub(crate) struct Answer {
     pub losses: Vec<Loss>,
 }
 
+impl Answer {
+    /// Says which parameters of the best cell lie at an end of their range, beyond which a better
+    /// cell may lie.
+    pub(crate) fn at_ends(&self, goal: &Goal) -> Vec<String> {
+        // Share of a range that the search does not resolve.
+        const NEAR: f64 = 1e-3;
+        let cell = &self.front[self.best].cell;
+        let varied = Candidate::varied(cell.shape, &goal.ranges).into_iter();
+        let at_end = varied.filter(|&(place, [from, to])| {
+            let value = cell.values[place];
+            (value - from).min(to - value) < NEAR * (to - from)
+        });
+        at_end
+            .map(|(place, [from, to])| {
+                format!(
+                    "{} = {} lies at an end of its range {from} to {to}: a wider range may hold a \
+                    better cell",
+                    Parameter::ALL[place].name(),
+                    cell.values[place]
+                )
+            })
+            .collect()
+    }
+}
+
 /// Searches the best cell of a goal. `progress` is told the cells that were tried.
 ///
 /// # Errors
@@ -124,8 +149,10 @@ pub(crate) fn optimise(goal: &Goal, progress: Progress<'_>) -> Result<Answer, Er
             goal.least_mtf
         )));
     }
-    // The cell as it is read from the file.
-    let text = meshes::write::obj(&cell.mesh()?);
+    // The cell as it is read from the file. Prisms need their index again: no mesh states it.
+    let mut mesh = cell.mesh()?;
+    mesh.hollow = cell.value(Parameter::Index) == 1.0;
+    let text = meshes::write::obj(&mesh);
     let mesh =
         meshes::obj::parse(text.as_bytes()).map_err(|fault| Error::Failed(fault.to_string()))?;
     Ok(Answer {

@@ -82,6 +82,11 @@ pub(crate) fn text(answer: &Answer, file: &str, seconds: f64) -> String {
             own.by_rays, own.standard_error, own.eta
         );
     }
+    let _ = writeln!(
+        out,
+        "\nsee more: bake datasheet {file} -o best.html --refractive-index {:.4} --unit mm",
+        cell.value(Parameter::Index)
+    );
     out
 }
 

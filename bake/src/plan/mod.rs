@@ -17,5 +17,6 @@ mod tests;
 
 pub(crate) use effort::{Effort, Shard};
 pub(crate) use effort::{MOST_BYTES, RAYS_PER_RANDOMISATION};
+pub(crate) use plan::INDEX_LEFT_OUT;
 pub use plan::Plan;
 pub use request::Request;

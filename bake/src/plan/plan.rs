@@ -219,14 +219,14 @@ impl Plan {
         let behind_a_front = self.scene.element == Element::Retroreflector
             && self.scene.glass_index.is_none()
             && self.back == Back::Mirror;
-        (behind_a_front && self.refractive_index.or(own).is_none()).then(|| {
-            "--refractive-index was left out: the cubes are taken as hollow (index 1); give the \
-             index of the material behind the front face, such as 1.49 for acrylic, or say \
-             --refractive-index 1"
-                .into()
-        })
+        (behind_a_front && self.refractive_index.or(own).is_none()).then(|| INDEX_LEFT_OUT.into())
     }
 }
+
+/// Remark on an index that neither the user nor the mesh states.
+pub(crate) const INDEX_LEFT_OUT: &str = "--refractive-index was left out: the cubes are taken as \
+    hollow (index 1); give the index of the material behind the front face, such as 1.49 for \
+    acrylic, or say --refractive-index 1";
 
 /// Reads directions and bins, and the step between azimuths if all azimuths are asked for.
 fn asked(request: &Request) -> Result<(Axes, Option<f64>), Error> {

@@ -52,7 +52,8 @@ pub(crate) struct Arguments {
     pub table: PathBuf,
     /// Result of earlier photographs of the sheet, to which the planned ones add.
     ///
-    /// Of a parameter with one value per incidence nothing is taken.
+    /// The lobe, `per_angle` and `seen_in_mirror` of the plan are then those of the result. Of a
+    /// parameter with one value per incidence no error is taken.
     #[arg(long, value_name = "RESULT.json")]
     pub given: Option<PathBuf>,
     /// File that receives the manifest to fill in; it must not exist yet.
@@ -81,10 +82,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = inputs.chain(&arguments.given).map(PathBuf::as_path);
     let mut outputs = Outputs::beside(inputs);
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
-    let asked = Plan::load(&arguments.plan)?;
+    let mut asked = Plan::load(&arguments.plan)?;
     let table = tables::read(&arguments.table)?;
     let given = arguments.given.as_deref();
     let given = given.map(|file| read_channel(file, None)).transpose()?;
+    if let Some(result) = &given {
+        terminal::warn(&asked.follow(result));
+    }
     let pool = terminal::pool(arguments.threads)?;
     let planned = pool.install(|| plan(&asked, &table, given.as_ref()))?;
     if arguments.output.is_some() {
@@ -126,6 +130,9 @@ fn text(planned: &Planned) -> String {
             percent(even.middle),
             percent(even.largest)
         );
+    }
+    if let Some(now) = &planned.now {
+        text += &format!("\nof the given result alone: {}\n", by_kind(now));
     }
     text += "\nwith further photographs:\n";
     for (number, further) in (photographs.len() + 1..).zip(&planned.further) {

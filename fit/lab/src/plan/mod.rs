@@ -73,6 +73,9 @@ pub struct Planned {
     pub photographs: Vec<Photograph>,
     /// Errors to expect, for each parameter.
     pub expected: Vec<Expected>,
+    /// Errors of the given result alone; absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub now: Option<Vec<Expected>>,
     /// Errors of as many photographs that are spread evenly over the choices.
     pub even: Vec<Expected>,
     /// Errors after each of the next best photographs, and which they are.
@@ -124,8 +127,8 @@ pub struct Further {
 /// The best photographs are found by exchange: one after the other is replaced by the best of all
 /// that could be taken, until none is replaced. The measure is the sum of the relative variances that
 /// the plan minimises (of a parameter with a value per incidence, their mean), averaged as a
-/// logarithm over the beliefs. `given` is an
-/// earlier result of the sheet, whose information the photographs add to.
+/// logarithm over the beliefs. `given` is an earlier result of the sheet, whose information the
+/// photographs add to (see [`Plan::follow`]).
 ///
 /// # Errors
 /// Returns [`Error::Estimator`] if the table neither holds nor brackets a direction, or has no waves,
@@ -158,6 +161,9 @@ pub fn plan(plan: &Plan, table: &Table, given: Option<&ResultFile>) -> Result<Pl
     Ok(Planned {
         expected: foreseen.expected(&chosen, known.as_ref()),
         photographs: chosen.iter().map(|&i| foreseen.photograph(i)).collect(),
+        now: known
+            .as_ref()
+            .map(|known| foreseen.expected(&[], Some(known))),
         even: foreseen.expected(&even, known.as_ref()),
         further,
         candidates: foreseen.candidates.len(),

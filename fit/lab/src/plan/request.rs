@@ -10,6 +10,8 @@ use edges::document::{Bounds, Document, Table, table};
 use edges::document::{choice, choices, incidence, positive, share, spectrum, turn};
 use edges::names::{Kernel, LobeShape, ParameterKind, Spectrum};
 use edges::readers;
+use estimator::estimate::Verdict;
+use estimator::result::{Parameter, ResultFile};
 
 readers! {
     count = Bounds::new("between 1 and 200", |x| (1.0..=200.0).contains(&x));
@@ -178,6 +180,47 @@ impl Plan {
             choices,
             camera: asked.camera,
         })
+    }
+}
+
+impl Plan {
+    /// Takes from an earlier result of the sheet what it has found: the lobe, which parameters have
+    /// one value per incidence, and whether the sheet is seen in a mirror. Returns warnings about a
+    /// result that the plan cannot build on.
+    pub fn follow(&mut self, result: &ResultFile) -> Vec<String> {
+        let beliefs = &mut self.beliefs;
+        beliefs.lobe = result.lobe.unwrap_or(beliefs.lobe);
+        let own = |parameter: Option<&Parameter>, own| {
+            matches!(parameter, Some(Parameter::PerAngle { .. })).then_some(own)
+        };
+        let per_angle = [
+            own(result.spread(), Own::A),
+            own(result.mu.as_ref(), Own::Mu),
+        ];
+        beliefs.per_angle = per_angle.into_iter().flatten().collect();
+        self.camera.seen_in_mirror = result.seen_in_mirror.unwrap_or(self.camera.seen_in_mirror);
+        let mut warnings = Vec::new();
+        if result
+            .fit
+            .as_ref()
+            .is_some_and(|fit| fit.verdict == Verdict::Poor)
+        {
+            warnings.push(
+                "the given result is poor: its model does not describe its photographs, so a plan \
+                that builds on it may mislead; mend it first"
+                    .into(),
+            );
+        }
+        let c_mm = result.c_mm.and_then(|c| c.value);
+        if let (Some(c), Some([least, most])) = (c_mm, self.beliefs.c_mm)
+            && !(least..=most).contains(&c)
+        {
+            warnings.push(format!(
+                "the given result has c = {c:.4} mm, which the beliefs {least} to {most} mm leave \
+                out: widen them, or give another result"
+            ));
+        }
+        warnings
     }
 }
 

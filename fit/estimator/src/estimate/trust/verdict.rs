@@ -147,9 +147,9 @@ fn unlike_diffraction(scene: &Scene, best: &Estimate) -> Option<String> {
     let wavelength_um = 1e3 * std::f64::consts::PI * c.value / a_times_r;
     (!(LEAST_UM..=MOST_UM).contains(&wavelength_um)).then(|| {
         format!(
-            "diffraction at apertures of {:.3} mm would need light of {wavelength_um:.2} um to \
-            give a R = {a_times_r:.0}; check that floating_distance_mm and pixel_pitch_mm are in \
-            mm (other causes of blur, such as rough facets, raise this number too)",
+            "floating_distance_mm or pixel_pitch_mm may be in another unit than mm; check them: \
+            diffraction at apertures of {:.3} mm would need light of {wavelength_um:.2} um to \
+            give a R = {a_times_r:.0} (rough facets raise this number too)",
             c.value
         )
     })

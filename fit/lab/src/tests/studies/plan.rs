@@ -227,6 +227,20 @@ fn a_given_result_adds_its_information() {
         );
         assert!(ratio < 1.03 && (!repeated || ratio > 0.97), "{i}");
     }
+    // The errors of the result alone are its own, relative to its values.
+    let c = result.c_mm.expect("the kernel has a corner size");
+    let own = c.standard_error.expect("a number") / c.value.expect("a number");
+    let now = twice.now.expect("a result is given")[0].middle;
+    assert!((now.expect("c is known") / own - 1.0).abs() < 1e-9);
+    // A plan that believes otherwise follows the result, and says where the result lies outside.
+    let mut follower = asked.clone();
+    follower.beliefs.lobe = LobeShape::Separable;
+    follower.beliefs.per_angle = vec![Own::A, Own::Mu];
+    follower.camera.seen_in_mirror = !asked.camera.seen_in_mirror;
+    follower.beliefs.c_mm = Some([2.0 * C_MM, 3.0 * C_MM]);
+    assert_eq!(follower.follow(&result).len(), 1);
+    follower.beliefs.c_mm = asked.beliefs.c_mm;
+    assert_eq!(follower, asked);
     let other = Plan {
         beliefs: Beliefs::certain(Kernel::Angular, C_MM, 500.0, MU),
         minimise: vec![ParameterKind::CornerSize],
