@@ -60,7 +60,7 @@ pub(crate) fn run(args: &OptimiseArgs) -> Result<(), Error> {
             "rays and polygons differ in {differ} directions: one of them is wrong; please report it"
         )]);
     }
-    warn(&answer.at_ends(&goal));
+    warn(answer.at_ends(&goal));
     let name = args.output.display().to_string();
     let name = in_a_line(&name);
     Ok(print(&match args.json {
