@@ -87,7 +87,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let given = arguments.given.as_deref();
     let given = given.map(|file| read_channel(file, None)).transpose()?;
     if let Some(result) = &given {
-        terminal::warn(&asked.follow(result));
+        terminal::warn(asked.follow(result));
     }
     let pool = terminal::pool(arguments.threads)?;
     let planned = pool.install(|| plan(&asked, &table, given.as_ref()))?;
