@@ -17,6 +17,7 @@ import maturin
 from maturin import get_requires_for_build_sdist, get_requires_for_build_wheel  # noqa: F401
 
 ROOT = Path(__file__).resolve().parent.parent
+EXAMPLE = ROOT / "python" / "midair" / "example"
 SCRIPTS = ROOT / "python" / "midair.data" / "scripts"
 PROGRAMS = ("bake", "fit", "airr-reader")
 #: Profile of cargo: release, or dev, which tests have compiled already.
@@ -70,5 +71,7 @@ def build_sdist(sdist_directory, config_settings=None):
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """Build the wheel (PEP 517)."""
     files = build_programs()
+    # The campaign of midair.example().
+    shutil.copytree(ROOT / "tests" / "captures" / "public_shared", EXAMPLE, dirs_exist_ok=True)
     os.environ["MATURIN_PEP517_ARGS"] = " ".join(["--profile", PROFILE, *tag(files)])
     return maturin.build_wheel(wheel_directory, config_settings, metadata_directory)

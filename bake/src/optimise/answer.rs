@@ -90,7 +90,7 @@ impl Answer {
         at_end
             .map(|(place, [from, to])| {
                 format!(
-                    "{} = {} lies at an end of its range {from} to {to}: a wider range may hold a \
+                    "{} = {:.4} lies at an end of its range {from} to {to}: a wider range may hold a \
                     better cell",
                     Parameter::ALL[place].name(),
                     cell.values[place]
