@@ -212,10 +212,10 @@ metrics = { test -x .tools/metrics/bin/python || $(PYTHON) -m venv .tools/metric
 # ---- The Python package: a wheel with the module and the programs, which `pip install` puts where
 # there is neither Rust nor HDF5.
 
-# The module takes what `build` compiled. The tag of the file follows from the C library that module
-# and programs need (python/build_backend.py).
-wheel: tools
-	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit -p reader -p midair
+# The module takes what `build` compiled and links it once more. The tag of the file follows from the
+# C library that the programs need (python/build_backend.py).
+wheel: build
+	@test -e $(BIN)/lib_midair.so || echo "wheel: linking the module takes 2 to 4 minutes" >&2
 	@rm -rf dist && $(call wheel_into,dist)
 
 # $(1): a folder.

@@ -25,9 +25,11 @@ PROFILE = os.environ.get("AIRR_PROFILE", "release")
 
 
 def build_programs() -> list[Path]:
-    """Build the programs and lay them where maturin packs them. Return them and the module."""
-    # With the module, so that both builds share what they compile.
-    packages = [word for name in ("bake", "fit", "reader", "midair") for word in ("-p", name)]
+    """Build the programs, lay them where maturin packs them, and return them.
+
+    Not the module: maturin names the interpreter in its environment, so it links once more.
+    """
+    packages = [word for name in ("bake", "fit", "reader") for word in ("-p", name)]
     cargo = os.environ.get("CARGO", "cargo")
     build = [cargo, "build", "--profile", PROFILE, "--locked", *packages]
     subprocess.run(build, cwd=ROOT, check=True)
@@ -36,13 +38,13 @@ def build_programs() -> list[Path]:
     SCRIPTS.mkdir(parents=True, exist_ok=True)
     for name in PROGRAMS:
         shutil.copy2(folder / name, SCRIPTS / name)
-    return [*(SCRIPTS / name for name in PROGRAMS), *folder.glob("lib_midair.so")]
+    return [SCRIPTS / name for name in PROGRAMS]
 
 
 def tag(files: list[Path]) -> list[str]:
     """Return maturin's option for the manylinux tag: the oldest C library that all files run with.
 
-    maturin looks at the module only, and holds it against this tag. An older tag needs zig as the C
+    maturin looks at the module only, and refuses it if it needs a younger one. An older tag needs zig as the C
     compiler. Tried with `airr-reader` and HDF5: cargo zigbuild --target
     x86_64-unknown-linux-gnu.2.17 makes a program for glibc 2.17, once tables/hdf5.cmake sets
     CMAKE_C_COMPILER to the CC_x86_64_unknown_linux_gnu of the environment. It is not done: all
