@@ -103,8 +103,8 @@ class Grid:
     @property
     def megabytes(self) -> float:
         """Memory of the arrays on the device, in single precision."""
-        arrays = [self.eta, self.node_eta, self.place, self.flip, self.start, self.count]
-        arrays += [self.entry] + ([] if self.deviation is None else [self.deviation])
+        arrays = [_threes(self), _corners(self), _nodes(self), self.entry]
+        arrays += [] if self.deviation is None else [self.deviation]
         return 4e-6 * sum(array.size for array in arrays)
 
 
@@ -404,20 +404,19 @@ class Directions:
 
     def __init__(self, grid: Grid) -> None:
         self.grid = grid
-        self.eta_values = _floats(grid.eta)
-        self.node_eta = _floats(grid.node_eta)
-        self.start, self.count = _whole(grid.start), _whole(grid.count)
-        self.place, self.flip = _whole(grid.place), _whole(grid.flip)
+        self.eta_values = _floats(_threes(grid))
+        self.corners, self.node = _floats(_corners(grid)), _floats(_nodes(grid))
         self.entry = _floats(grid.entry)
         self.deviation = None if grid.deviation is None else _floats(grid.deviation)
         self.along = _Cells(grid.along)
         self.around = None if grid.around is None else _Cells(grid.around)
+        self.cells = 1 if grid.around is None else grid.around.cells
 
-    def _place(self, sine: Any, azimuth: Any, active: Any) -> tuple[Any, Any, Any, Any, Any]:
+    def _place(self, sine: Any, azimuth: Any) -> tuple[Any, Any, Any, Any, Any]:
         """Return the cell and the place within it, of both angles, and whether it is inside."""
         grid = self.grid
         tangent = sine / dr.sqrt(dr.maximum(grid.index**2 - sine * sine, 1e-12))
-        i, f = self.along.find(tangent, active)
+        i, f = self.along.find(tangent)
         # Rounding of single precision must not darken the ends.
         low, high = float(grid.along.x[0]), float(grid.along.x[-1])
         inside = (tangent >= low - 1e-6 * high) & (tangent <= high + 1e-6 * high)
@@ -426,25 +425,24 @@ class Directions:
         first = float(grid.around.x[0])  # type: ignore[union-attr]
         turned = azimuth - first
         turned = turned - 360 * dr.floor(turned / 360) + first
-        j, g = self.around.find(turned, active)
+        j, g = self.around.find(turned)
         return i, f, j, g, inside
 
     def eta(self, sine: Any, azimuth: Any, active: Any = True) -> Any:
         """Return the share of the light that comes back; 0 outside of the table."""
-        return self._eta(*self._place(sine, azimuth, active), active)
+        return self._eta(*self._place(sine, azimuth), active)
 
     def _eta(self, i: Any, f: Any, j: Any, g: Any, inside: Any, active: Any) -> Any:
-        row, weights_i = self.along.parabola(i, f)
-        columns = self.grid.eta.shape[1]
+        row, (a, b, c) = self.along.parabola(i, f)
         if self.around is None:
-            column, weights_a = mi.UInt32(0), [mi.Float(1)]
+            column, parts, (x, y, z) = mi.UInt32(0), 1, (1, 0, 0)
         else:
-            column, weights_a = self.around.parabola(j, g)
+            column, (x, y, z) = self.around.parabola(j, g)
+            column, parts = column // 2, self.around.axis.cells * self.around.axis.parts
         total = mi.Float(0)
-        for a, weight_a in enumerate(weights_i):
-            for b, weight_b in enumerate(weights_a):
-                value = _read(self.eta_values, (row + a) * columns + column + b, active)
-                total = total + weight_a * weight_b * value
+        for k, weight in enumerate((a, b, c)):
+            three = _read_four(self.eta_values, (row + k) * parts + column, active)
+            total = total + weight * (x * three.x + y * three.y + z * three.z)
         return choose(inside, dr.maximum(total, 0), 0)
 
     def draw(
@@ -455,28 +453,23 @@ class Directions:
         `pick`, `slot` and the two numbers of `point` are uniform in [0, 1). Shifts are in edge
         lengths, deviations are tangents. Where eta is 0 the rest has no meaning.
         """
-        i, f, j, g, inside = self._place(sine, azimuth, active)
+        i, f, j, g, inside = self._place(sine, azimuth)
         eta = self._eta(i, f, j, g, inside, active)
-        nodes = self.grid.node_eta.shape[1]
-        after = j + 1 if self.around is None else choose(j + 1 >= nodes, 0, j + 1)
-        # The four nodes around, or two.
-        around = [(j, 1 - g), (after, g)] if self.around is not None else [(j, mi.Float(1))]
-        ends, total = [], mi.Float(0)
-        for a, weight_a in ((i, 1 - f), (i + 1, f)):
-            for b, weight_b in around:
-                total = total + weight_a * weight_b * _read(self.node_eta, a * nodes + b, active)
-                ends.append((total, a, b))
-        chosen, row, column = pick * total, ends[-1][1], ends[-1][2]
-        for end, a, b in reversed(ends[:-1]):
-            here = chosen < end
-            row, column = choose(here, a, row), choose(here, b, column)
-        own = len(self.grid.start) // len(self.grid.along.x)
-        k = row * own + _read_whole(self.place, column, active)
-        n, first = _read_whole(self.count, k, active), _read_whole(self.start, k, active)
+        # One of the four nodes around is drawn.
+        four = _read_four(self.corners, i * self.cells + j, active)
+        low = (1 - f) * ((1 - g) * four.x + g * four.y)
+        high = f * ((1 - g) * four.z + g * four.w)
+        chosen = pick * (low + high)
+        is_high = chosen >= low
+        left = choose(is_high, low + f * (1 - g) * four.z, (1 - f) * (1 - g) * four.x)
+        row = choose(is_high, i + 1, i)
+        column = choose(chosen >= left, j + 1, j)
+        node = _read_four(self.node, row * (self.cells + 1) + column, active)
+        first, n = mi.UInt32(node.x), mi.UInt32(node.y)
         active = active & (n > 0)
         if is_scalar() and not active:
             return eta, mi.Float(0), mi.Float(0), mi.Float(0), mi.Float(0)
-        x = slot * mi.Float(n)
+        x = slot * node.y
         at = dr.minimum(mi.UInt32(x), dr.maximum(n, 1) - 1)
         e = first + at
         tail = _read_four(self.entry, 2 * e + 1, active)
@@ -491,12 +484,45 @@ class Directions:
             p, q = choose(over, 1 - p, p), choose(over, 1 - q, q)
         u = head.x + p * head.z + q * tail.x
         v = head.y + p * head.w + q * tail.y
-        sign = choose(_read_whole(self.flip, column, active) == 1, mi.Float(-1), mi.Float(1))
         if self.deviation is None:
-            return eta, u, sign * v, mi.Float(0), mi.Float(0)
-        along = _read(self.deviation, 2 * e, active)
-        across = _read(self.deviation, 2 * e + 1, active)
-        return eta, u, sign * v, along, sign * across
+            return eta, u, node.z * v, mi.Float(0), mi.Float(0)
+        turned = read_two(self.deviation, e, active)
+        return eta, u, node.z * v, turned.x, node.z * turned.y
+
+
+# Memory is read in records, because masked reads of single numbers are what a draw costs most.
+
+
+def _threes(grid: Grid) -> Floats:
+    """Return eta at the three points of each part of an azimuth, shape (records, 4)."""
+    if grid.around is None:
+        made = np.pad(grid.eta[:, None, :], ((0, 0), (0, 0), (0, 3)))
+    else:
+        first, middle, last = grid.eta[:, :-2:2], grid.eta[:, 1::2], grid.eta[:, 2::2]
+        made = np.stack([first, middle, last, np.zeros_like(first)], axis=-1)
+    return made.reshape(-1, 4)
+
+
+def _corners(grid: Grid) -> Floats:
+    """Return eta at the four nodes around each cell, shape (cells, 4), one read for a draw."""
+    eta = grid.node_eta
+    # All azimuths follow the last one; a mean over azimuths has one node on either side.
+    after = np.roll(eta, -1, axis=1)
+    made = np.stack([eta[:-1], after[:-1], eta[1:], after[1:]], axis=-1)
+    return made.reshape(-1, 4)
+
+
+def _nodes(grid: Grid) -> Floats:
+    """Return first entry, number of entries and sign of v of each node, shape (nodes, 4).
+
+    The first azimuth stands once more behind the last.
+    """
+    place, flip = np.append(grid.place, grid.place[0]), np.append(grid.flip, grid.flip[0])
+    rows = len(grid.along.x)
+    own = np.arange(rows)[:, None] * (len(grid.start) // rows) + place
+    sign = np.broadcast_to(np.where(flip, -1.0, 1.0), own.shape)
+    made = np.stack([grid.start[own], grid.count[own], sign, np.zeros(own.shape)], axis=-1)
+    return made.reshape(-1, 4)
 
 
 class _Cells:
@@ -504,24 +530,23 @@ class _Cells:
 
     def __init__(self, axis: Axis) -> None:
         self.axis = axis
-        self.x = _floats(axis.x)
         steps = np.diff(axis.x)
         self.step = float(steps.mean()) if np.ptp(steps) < 1e-9 * steps.mean() else None
 
-    def find(self, x: Any, active: Any) -> tuple[Any, Any]:
+    def find(self, x: Any) -> tuple[Any, Any]:
         """Return the cell of x, and the place within it from 0 to 1."""
-        last = self.axis.cells - 1
+        nodes, last = self.axis.x, self.axis.cells - 1
         if self.step is not None:
-            place = (x - float(self.axis.x[0])) / self.step
-            cell = mi.UInt32(dr.clip(dr.floor(place), 0, last))
-            return cell, dr.clip(place - mi.Float(cell), 0, 1)
-        cell, half = mi.UInt32(0), 1 << max(last.bit_length() - 1, 0)
-        while half:
-            probe = dr.minimum(cell + half, last)
-            cell = choose(_read(self.x, probe, active) <= x, probe, cell)
-            half //= 2
-        low, high = _read(self.x, cell, active), _read(self.x, cell + 1, active)
-        return cell, dr.clip((x - low) / (high - low), 0, 1)
+            place = (x - float(nodes[0])) / self.step
+        elif is_scalar():
+            place = float(np.interp(float(x), nodes, np.arange(len(nodes))))
+        else:
+            # A ramp for each cell, from 0 to 1: quicker than a search, which reads memory.
+            place = mi.Float(0)
+            for low, high in zip(nodes[:-1], nodes[1:]):
+                place += dr.clip((x - float(low)) * float(1 / (high - low)), 0, 1)
+        cell = mi.UInt32(dr.clip(dr.floor(place), 0, last))
+        return cell, dr.clip(place - mi.Float(cell), 0, 1)
 
     def parabola(self, cell: Any, place: Any) -> tuple[Any, list[Any]]:
         """Return the first of three points of the finer grid, and their weights."""
@@ -550,17 +575,11 @@ def _floats(values: npt.ArrayLike) -> Any:
     return flat if is_scalar() else mi.Float(flat)
 
 
-def _whole(values: npt.ArrayLike) -> Any:
-    flat = np.ascontiguousarray(np.asarray(values).astype(np.uint32).ravel())
-    return flat if is_scalar() else mi.UInt32(flat)
-
-
-def _read(values: Any, index: Any, active: Any) -> Any:
-    return float(values[int(index)]) if is_scalar() else dr.gather(mi.Float, values, index, active)
-
-
-def _read_whole(values: Any, index: Any, active: Any) -> Any:
-    return int(values[int(index)]) if is_scalar() else dr.gather(mi.UInt32, values, index, active)
+def read_two(values: Any, index: Any, active: Any) -> Any:
+    """Return a record of two numbers."""
+    if is_scalar():
+        return mi.Vector2f(*(float(one) for one in values[2 * int(index) : 2 * int(index) + 2]))
+    return dr.gather(mi.Vector2f, values, index, active)
 
 
 def _read_four(values: Any, index: Any, active: Any) -> Any:
