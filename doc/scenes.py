@@ -50,8 +50,8 @@ def nearest(table):
         lambda one: saito(one, 2 * np.pi * MEASURED_MM * frequency),
     )
     print(f"A of the lobe: {lobe:.0f}, of the sheet {SHEET['A']:.0f}; roughness {rough:.2e}")
-    # Three Gaussians make one, whose standard deviation outside is 2 index roughness across the
-    # plane of incidence, and grows in it by refraction, as an angular spread does.
+    # Three Gaussians make one. Its standard deviation is 2 index roughness across the plane of
+    # incidence and grows in it by refraction, which is what an angular spread is.
     return {"c": 0.0, "A": lobe, "mu": SHEET["mu"]}, {
         "c": 0.0, "angular_spread_mrad": 2e3 * INDEX * rough, "mu": SHEET["mu"],
     }
