@@ -45,7 +45,7 @@ def path_class(sheet: type, mirror: type) -> type:
             keys = Keys(props, "midair_path", KEYS)
             self.max_depth = _count(keys, "max_depth", -1)
             self.rr_depth = _count(keys, "rr_depth", 5)
-            self.is_guided = bool(props.get("guided", False))
+            self.is_guided = keys.flag("guided")
             self._known: tuple[Any, Found] | None = None
             self._is_forward = False
 
