@@ -177,7 +177,8 @@ test-fuzz: rust tools
 # it takes), optional; MITSUBA_PYTHON: an interpreter with mitsuba, h5py and the wheel; ROUNDS: how often both are
 # timed, in turns.
 test-mitsuba: demo
-	@cd python/tests && $(or $(MITSUBA_PYTHON),$(PYTHON)) -m unittest test_mitsuba test_variants
+	@cd python/tests && $(or $(MITSUBA_PYTHON),$(PYTHON)) -m unittest test_mitsuba \
+		test_photographs test_variants
 	@test -n "$(MITSUBA_FIT)" || { \
 		echo "test-mitsuba: MITSUBA_FIT names no script of the published loop: not compared" >&2; }
 	@test -z "$(MITSUBA_FIT)" || $(MAKE) --no-print-directory beside-mitsuba
