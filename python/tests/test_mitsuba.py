@@ -417,21 +417,23 @@ class Refusals(Case):
             {"type": "blendbsdf", "weight": 0.5, "one": sheet, "two": {"type": "diffuse"}},
         ]
         for bsdf in [*wrapped, {"type": "diffuse"}]:
-            scene = scenes.load(
-                {
-                    "type": "scene",
-                    "integrator": {"type": "midair_path"},
-                    "camera": camera([0.0, 0.0, 9.0], [0.0, 0.0, -1.0]),
-                    "shape": {"type": "rectangle", "bsdf": bsdf},
-                }
-            )
+            given = {
+                "type": "scene",
+                "integrator": {"type": "midair_path"},
+                "camera": camera([0.0, 0.0, 9.0], [0.0, 0.0, -1.0]),
+                "shape": {"type": "rectangle", "bsdf": bsdf},
+            }
             if bsdf in wrapped:
                 with self.assertRaises(midair.Error) as caught:
-                    mi.render(scene, spp=1)
+                    scenes.load(given)
                 self.assertIn("give it to the shape itself", caught.exception.sentence)
+                # Without `load` the sentence stands in the cause.
+                with self.assertRaises(RuntimeError) as hidden:
+                    mi.render(mi.load_dict(given), spp=1)
+                self.assertIn("the shape itself", str(hidden.exception.__cause__))
             else:
                 with self.assertWarnsRegex(midair.MidairWarning, "has no midair_sheet"):
-                    mi.render(scene, spp=1)
+                    mi.render(scenes.load(given), spp=1)
         self.tell(len(wrapped) + 1, "scenes")
 
 

@@ -49,13 +49,17 @@ def path_class(sheet: type, mirror: type) -> type:
             self._known: tuple[Any, Found] | None = None
             self._is_forward = False
 
+        def search(self, scene: Any) -> Found:
+            """Return what a scene holds, or raise an error about its sheets."""
+            return search(scene, sheet)
+
         def _found(self, scene: Any) -> Found:
             """Return what a scene holds."""
             # Parameters are replaced between renders, so each render looks again. Scalar variants
             # come here with every ray, and have no derivatives.
             if self._known is not None and self._known[0] is scene:
                 return self._known[1]
-            found = search(scene, sheet)
+            found = self.search(scene)
             if is_scalar():
                 self._known = scene, found
             if not found.sheets:
