@@ -79,7 +79,8 @@ class Furnace(Case):
 
 class Shifts(Case):
     def test_drawn_shifts_have_the_transfer_function_of_the_table(self) -> None:
-        from midair.mitsuba._directions import Directions, grid_of
+        from midair.mitsuba._directions import Directions
+        from midair.mitsuba._grid import grid_of
 
         n, cases = 1 << 20, 0
         table = pair()
@@ -251,7 +252,7 @@ class Images(Case):
 class Surfaces(Case):
     def test_a_plate_passes_light_of_both_sides(self) -> None:
         """The plate is its own image when it is turned over about the azimuth 45."""
-        with mock.patch("midair.mitsuba._directions.MOST", 1000):
+        with mock.patch("midair.mitsuba._grid.MOST", 1000):
             table = midair.trace(
                 midair.design("plate", depth=3, thickness=0.02), element="plate",
                 refractive_index=1.5, incidence="40:50:5", azimuth="full:15", range=4,

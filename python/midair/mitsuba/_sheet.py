@@ -19,7 +19,8 @@ import mitsuba as mi
 import numpy as np
 
 from midair._errors import Error, MidairWarning
-from midair.mitsuba._directions import Directions, choose, grid_of, is_scalar, read_two
+from midair.mitsuba._directions import Directions, choose, is_scalar, read_two
+from midair.mitsuba._grid import grid_of
 from midair.mitsuba._keys import SHEET, Keys, Numbers, numbers_of
 
 #: Entries of the table of the lobe, and where the radial lobe is cut, in A tan(angle).
