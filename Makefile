@@ -177,7 +177,8 @@ test-fuzz: rust tools
 # it takes), optional; MITSUBA_PYTHON: an interpreter with mitsuba, h5py and the wheel; ROUNDS: how often both are
 # timed, in turns.
 test-mitsuba: demo
-	@cd python/tests && $(or $(MITSUBA_PYTHON),$(PYTHON)) -m unittest test_mitsuba
+	@cd python/tests && $(or $(MITSUBA_PYTHON),$(PYTHON)) -m unittest test_mitsuba \
+		test_photographs test_variants
 	@test -n "$(MITSUBA_FIT)" || { \
 		echo "test-mitsuba: MITSUBA_FIT names no script of the published loop: not compared" >&2; }
 	@test -z "$(MITSUBA_FIT)" || $(MAKE) --no-print-directory beside-mitsuba
@@ -230,7 +231,7 @@ test-package: tools python
 	@$(pip) --force-reinstall --no-deps .tools/dist/midair-*.whl
 	@cd python/tests && "$(VENV)/bin/python" -m unittest $(PACKAGE_TESTS)
 PACKAGE_TESTS = test_programs test_pickles test_tables test_arrays test_evaluate test_compare \
-	test_process test_signatures test_pages
+	test_process test_signatures test_pages test_variants
 
 # The wheel as a user installs it, in a new environment and with an empty PATH: all tests of the
 # package, its examples, its programs and its notebooks.

@@ -1,10 +1,12 @@
-"""Draws doc/desk.png and doc/stage.png: sheets in scenes of Mitsuba, by the table and by a lobe.
+"""Draws doc/desk.png and doc/stage.png: sheets in scenes of Mitsuba, by three models.
 
     python doc/scenes.py [SAMPLES]
 
 SAMPLES are the paths of a pixel (512). The script needs the package midair[mitsuba] and pillow.
-Both sheets have cubes with edges of 1 mm. The lobe is the nearest one without ray shift: its MTF
-differs least from that of the sheet at 600 mm, where a laboratory may have measured it.
+Both sheets have cubes with edges of 1 mm. Beside the table of ray shifts stand two models without
+it: a lobe, and the rough facets of Saito, Yue and Koizumi (2024). Each has the one number with
+which its MTF differs least from that of the sheet at 600 mm, where a laboratory may have measured
+it.
 """
 
 import sys
@@ -22,23 +24,46 @@ SAMPLES = int(sys.argv[1]) if len(sys.argv) > 1 else 512
 MEASURED_MM = 600.0
 #: A = 2.8 c / wavelength, for 1 mm and 550 nm.
 SHEET = {"c": 1.0, "A": 5091.0, "mu": 0.6}
-#: Height of the panels, widths of the view and of the two close-ups, pixels.
-HEIGHT, WIDE, CLOSE = 240, 336, 240
+INDEX = 1.49
+#: Height of the panels, widths of the view and of a close-up, gap, pixels.
+HEIGHT, WIDE, CLOSE, GAP = 240, 337, 157, 8
 
 
-def nearest_lobe(table):
-    """Return A of the lobe without shift whose MTF is nearest at `MEASURED_MM`, incidence 0."""
+def nearest(table):
+    """Return the numbers of the nearest lobe and of the nearest rough facets, incidence 0."""
     frequency = np.arange(1, 200) * 0.01
     place = dict(distance=MEASURED_MM, incidence=0, azimuth=0, frequency=list(frequency))
 
     def mtf(**numbers):
         return midair.sheet(table, **numbers).predict(**place).mtf.values
 
+    def least(tried, model):
+        return float(tried[np.argmin([np.square(model(one) - own).sum() for one in tried])])
+
     own = mtf(c=SHEET["c"], a_times_r=SHEET["A"])
-    tried = np.geomspace(0.1, 1, 60) * SHEET["A"]
     # Cubes of 1 um have no visible shift.
-    misfit = [np.square(mtf(c=1e-3, a_times_r=one) - own).sum() for one in tried]
-    return float(tried[np.argmin(misfit)])
+    lobe = least(
+        np.geomspace(0.1, 1, 60) * SHEET["A"], lambda one: mtf(c=1e-3, a_times_r=one)
+    )
+    rough = least(
+        np.geomspace(1e-4, 1e-3, 200),
+        lambda one: saito(one, 2 * np.pi * MEASURED_MM * frequency),
+    )
+    print(f"A of the lobe: {lobe:.0f}, of the sheet {SHEET['A']:.0f}; roughness {rough:.2e}")
+    # Three Gaussians make one. Its standard deviation is 2 index roughness across the plane of
+    # incidence and grows in it by refraction, which is what an angular spread is.
+    return {"c": 0.0, "A": lobe, "mu": SHEET["mu"]}, {
+        "c": 0.0, "angular_spread_mrad": 2e3 * INDEX * rough, "mu": SHEET["mu"],
+    }
+
+
+def saito(roughness, k):
+    """Return the MTF of three rough facets at normal incidence, by k = 2 pi R f.
+
+    The densities of their slopes are Beckmann's, which come nearer to this sheet than GGX.
+    fit/doc/model.md gives the formula for all directions.
+    """
+    return np.exp(-3 * (np.sqrt(8 / 3) * INDEX * roughness * k) ** 2 / 4)
 
 
 def diffuse(*colour):
@@ -139,19 +164,17 @@ def picture(make, table, numbers, fov, size):
         mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, srgb_gamma=True)))
 
 
-def figure(make, table, lobe, fov, zoom, name, title):
-    """Draw one scene: the view, and close-ups of its image by the table and by the lobe."""
-    panels = [
-        (title, SHEET, fov, WIDE),
-        ("close up, by the table of ray shifts", SHEET, zoom, CLOSE),
-        ("close up, by a lobe without ray shift", {**SHEET, "c": 0.0, "A": lobe}, zoom, CLOSE),
-    ]
-    whole = Image.new("RGB", (WIDE + 2 * CLOSE + 16, HEIGHT + 20), "white")
+def figure(make, table, models, fov, zoom, name, title):
+    """Draw one scene: the view, and a part of its image by each of the models."""
+    whole = Image.new("RGB", (WIDE + len(models) * (GAP + CLOSE), HEIGHT + 20), "white")
     draw, left = ImageDraw.Draw(whole), 0
+    panels = [(title, models["by its ray shifts"], fov, WIDE)]
+    panels += [(caption, numbers, zoom, CLOSE) for caption, numbers in models.items()]
     for caption, numbers, angle, width in panels:
-        whole.paste(picture(make, table, numbers, angle, (width, HEIGHT)), (left, 0))
+        drawn = picture(make, table, numbers, angle, (max(width, HEIGHT), HEIGHT))
+        whole.paste(drawn.crop((drawn.width - width, 0, drawn.width, HEIGHT)), (left, 0))
         draw.text((left + 2, HEIGHT + 3), caption, fill="black", font_size=14)
-        left += width + 8
+        left += width + GAP
     whole.quantize(256, dither=Image.Dither.NONE).save(HERE / name, optimize=True)
 
 
@@ -160,14 +183,14 @@ def main():
     warnings.simplefilter("ignore")
     table = midair.trace(
         midair.design("triangular-pair"),
-        refractive_index=1.49,
+        refractive_index=INDEX,
         incidence="0:50:5",
         azimuth="full:5",
     )
-    lobe = nearest_lobe(table)
-    print(f"A of the lobe without shift: {lobe:.0f}, of the sheet {SHEET['A']:.0f}")
-    figure(desk, table, lobe, 24.0, 5.0, "desk.png", "A sign in the air, 200 mm from its sheet")
-    figure(stage, table, lobe, 24.0, 2.6, "stage.png", "A sign in the air, 3 m from its sheet")
+    lobe, rough = nearest(table)
+    models = {"by its ray shifts": SHEET, "by a lobe": lobe, "by Saito's facets": rough}
+    figure(desk, table, models, 24.0, 5.0, "desk.png", "A sign in the air, 200 mm from its sheet")
+    figure(stage, table, models, 24.0, 2.6, "stage.png", "A sign in the air, 3 m from its sheet")
 
 
 if __name__ == "__main__":

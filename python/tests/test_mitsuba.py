@@ -79,7 +79,8 @@ class Furnace(Case):
 
 class Shifts(Case):
     def test_drawn_shifts_have_the_transfer_function_of_the_table(self) -> None:
-        from midair.mitsuba._directions import Directions, grid_of
+        from midair.mitsuba._directions import Directions
+        from midair.mitsuba._grid import grid_of
 
         n, cases = 1 << 20, 0
         table = pair()
@@ -251,7 +252,7 @@ class Images(Case):
 class Surfaces(Case):
     def test_a_plate_passes_light_of_both_sides(self) -> None:
         """The plate is its own image when it is turned over about the azimuth 45."""
-        with mock.patch("midair.mitsuba._directions.MOST", 1000):
+        with mock.patch("midair.mitsuba._grid.MOST", 1000):
             table = midair.trace(
                 midair.design("plate", depth=3, thickness=0.02), element="plate",
                 refractive_index=1.5, incidence="40:50:5", azimuth="full:15", range=4,
@@ -277,7 +278,10 @@ class Surfaces(Case):
         self.tell(4, "sides and axes")
 
     def test_instances_and_borders(self) -> None:
-        """A sheet in an instance returns what it returns alone, and shifts beyond a border end."""
+        """A sheet in an instance returns what it returns alone, and shifts beyond a border end.
+
+        The border of a rectangle follows from u and v, that of other shapes from a ray.
+        """
         table = pair(incidence="0:20:10")
         half = 0.3
         bsdf = scenes.sheet(table, c=0.5, mu=0.5, first_edge=[1, 0, 0])
@@ -285,31 +289,34 @@ class Surfaces(Case):
         reach = np.abs(0.5 * table.sample(1 << 20, seed=1, incidence=0, azimuth=0)).max(1)
         inside = float((reach < half).mean())
         self.assertTrue(0.2 < inside < 0.8, inside)
-        for size, share in ((50.0, 1.0), (half, inside)):
-            shape = {
-                "type": "rectangle",
-                "to_world": mi.ScalarTransform4f().scale(size),
-                "bsdf": bsdf,
-            }
-            group = {"type": "shapegroup", "sheet": shape}
-            instance = {"type": "instance", "group": {"type": "ref", "id": "group"}}
-            for shapes in ({"sheet": shape}, {"group": group, "instance": instance}):
-                scene = scenes.load(
-                    {
-                        "type": "scene",
-                        "integrator": {"type": "midair_path", "max_depth": 3, "rr_depth": 100},
-                        "camera": camera([0.0, 0.0, 100.0], [0.0, 0.0, -1.0]),
-                        "light": {"type": "constant"},
-                        **shapes,
-                    }
-                )
-                paths = 64 if share == 1 else 1 << 18
-                light = float(np.array(mi.render(scene, spp=paths))[0, 0, 0])
-                expected = 0.5 * table.eta_at(0, 0)
-                # Without losses all paths are alike. Binomial noise of 2^18 paths and of 2^20
-                # samples: 4 standard errors are 0.005.
-                self.assertLess(abs(light / expected - share), 0.005 if share < 1 else 1e-5)
-        self.tell(4, "scenes")
+        cases = 0
+        for kind in ("rectangle", "cube"):
+            for size, share in ((50.0, 1.0), (half, inside)):
+                place = mi.ScalarTransform4f().scale(size)
+                if kind == "cube":
+                    # Its upper side takes the place of the rectangle.
+                    place = mi.ScalarTransform4f().translate([0, 0, -size]) @ place
+                shape = {"type": kind, "to_world": place, "bsdf": bsdf}
+                group = {"type": "shapegroup", "sheet": shape}
+                instance = {"type": "instance", "group": {"type": "ref", "id": "group"}}
+                for shapes in ({"sheet": shape}, {"group": group, "instance": instance}):
+                    scene = scenes.load(
+                        {
+                            "type": "scene",
+                            "integrator": {"type": "midair_path", "max_depth": 3, "rr_depth": 100},
+                            "camera": camera([0.0, 0.0, 100.0], [0.0, 0.0, -1.0]),
+                            "light": {"type": "constant"},
+                            **shapes,
+                        }
+                    )
+                    paths = 64 if share == 1 else 1 << 18
+                    light = float(np.array(mi.render(scene, spp=paths))[0, 0, 0])
+                    expected = 0.5 * table.eta_at(0, 0)
+                    # Without losses all paths are alike. Binomial noise of 2^18 paths and of 2^20
+                    # samples: 4 standard errors are 0.005.
+                    self.assertLess(abs(light / expected - share), 0.005 if share < 1 else 1e-5)
+                    cases += 1
+        self.tell(cases, "scenes")
 
     def test_exported_results_load(self) -> None:
         table = pair(azimuth="full:15")
@@ -378,20 +385,57 @@ class Refusals(Case):
         table = pair(incidence="0:20:10", azimuth="full:10")
         narrow = pair(incidence="0:20:10", azimuth=30)
         good = scenes.sheet(table, c=0.2, mu=0.5)
+        (self.folder / "no.h5").write_text("no table")
         cases = [
             ({**good, "mue": 0.5}, "did you mean mu?"),
             ({**good, "mu": {"type": "rgb", "value": [0.1, 0.2, 0.3]}}, "give one number"),
+            ({**good, "c": -0.2}, "give a number from 0 on"),
             ({**good, "a": 4.0}, "give R too"),
+            ({**good, "lobe": "round"}, "use radial, separable, gaussian"),
+            ({**good, "first_edge": "u"}, "give three numbers"),
             ({**good, "table": "/nowhere.h5"}, "there is no such file"),
+            ({**good, "table": str(self.folder / "no.h5")}, "name a table"),
             ({"type": "midair_sheet", "c": 0.2, "mu": 0.5}, "give table"),
             (scenes.sheet(narrow, c=0.2, mu=0.5), "full:10"),
+            ({**good, "type": "midair_plate"}, 'element="plate"'),
+            ({"type": "midair_path", "guided": "yes"}, "give true or false"),
         ]
-        for bsdf, remedy in cases:
+        for given, remedy in cases:
             with self.assertRaises(midair.Error) as caught, warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                scenes.load(bsdf)
+                scenes.load(given)
             self.assertIn(remedy, caught.exception.sentence)
-        self.tell(len(cases), "refusals")
+        with self.assertRaises(midair.Error) as caught:
+            scenes.scene(np.ones((2, 2)), table, c=0.2, mu=0.5, distance=300, width=-4)
+        self.assertIn("width is -4; give a number above 0", caught.exception.sentence)
+        self.tell(len(cases) + 1, "refusals")
+
+    def test_sheets_that_would_lose_their_shift_are_refused(self) -> None:
+        sheet = scenes.sheet(pair(incidence="0:20:10", azimuth="full:10"), c=0.2, mu=0.5)
+        wrapped = [
+            {"type": "twosided", "inner": sheet},
+            {"type": "mask", "inner": sheet},
+            {"type": "blendbsdf", "weight": 0.5, "one": sheet, "two": {"type": "diffuse"}},
+        ]
+        for bsdf in [*wrapped, {"type": "diffuse"}]:
+            given = {
+                "type": "scene",
+                "integrator": {"type": "midair_path"},
+                "camera": camera([0.0, 0.0, 9.0], [0.0, 0.0, -1.0]),
+                "shape": {"type": "rectangle", "bsdf": bsdf},
+            }
+            if bsdf in wrapped:
+                with self.assertRaises(midair.Error) as caught:
+                    scenes.load(given)
+                self.assertIn("give it to the shape itself", caught.exception.sentence)
+                # Without `load` the sentence stands in the cause.
+                with self.assertRaises(RuntimeError) as hidden:
+                    mi.render(mi.load_dict(given), spp=1)
+                self.assertIn("the shape itself", str(hidden.exception.__cause__))
+            else:
+                with self.assertWarnsRegex(midair.MidairWarning, "has no midair_sheet"):
+                    mi.render(scenes.load(given), spp=1)
+        self.tell(len(wrapped) + 1, "scenes")
 
 
 if __name__ == "__main__":

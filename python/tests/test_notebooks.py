@@ -6,6 +6,8 @@ import importlib.util
 import json
 import os
 import re
+import subprocess
+import sys
 import time
 import unittest
 from typing import Any
@@ -34,6 +36,17 @@ def pictures(cells: list[Any]) -> int:
     )
 
 
+def lacking(notebook: str) -> str:
+    """Return what a notebook needs and this computer lacks: Mitsuba or LLVM; empty if nothing."""
+    if "midair.mitsuba" not in notebook:
+        return ""
+    code = "import midair.mitsuba as mm; mm.set_variant('llvm_ad_rgb')"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    return "" if done.returncode == 0 else done.stderr.strip().splitlines()[-1].split(": ", 1)[-1]
+
+
 class Notebooks(Case):
     def setUp(self) -> None:
         super().setUp()
@@ -51,6 +64,9 @@ class Notebooks(Case):
         drawn = 0
         for path in NOTEBOOKS:
             with self.subTest(path.name):
+                if reason := lacking(path.read_text(encoding="utf-8")):
+                    print(f"{path.name}: not run: {reason}")
+                    self.skipTest(reason)
                 notebook = nbformat.read(path, as_version=4)
                 for cell in notebook.cells:
                     cell.pop("outputs", None)

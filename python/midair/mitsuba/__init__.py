@@ -95,7 +95,7 @@ def load(scene: Mapping[str, Any] | File) -> Any:
     Raises
     ------
     Error
-        If no variant is set, or a sheet of the scene cannot be made.
+        If no variant is set, or a sheet of the scene cannot be made or would lose its shift.
     """
     if mi.variant() is None:
         raise Error(
@@ -103,13 +103,19 @@ def load(scene: Mapping[str, Any] | File) -> Any:
         )
     try:
         if isinstance(scene, Mapping):
-            return mi.load_dict(dict(scene))
-        return mi.load_file(os.fspath(scene))
+            made = mi.load_dict(dict(scene))
+        else:
+            made = mi.load_file(os.fspath(scene))
     except RuntimeError as error:
         found = re.search(r"^(?:midair\._errors\.)?Error: (.*)", str(error), re.S | re.M)
         if found is None:
             raise
         raise Error(" ".join(found[1].split())) from None
+    # The integrator would find them too, but `mitsuba.render` hides its errors behind others.
+    integrator: Any = made.integrator() if isinstance(made, mi.Scene) else None
+    if hasattr(integrator, "search"):
+        integrator.search(made)
+    return made
 
 
 _register()

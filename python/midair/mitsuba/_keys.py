@@ -36,6 +36,15 @@ def hold(thing: Any) -> str:
     return name
 
 
+def unknown(name: str, plugin: str, known: Sequence[str]) -> Error:
+    """Return the error of a key that a plugin does not have."""
+    # `alpha` is nearer to `A` than any distance of letters tells, so all keys are listed too.
+    near = difflib.get_close_matches(name, known, 1, 0.5)
+    near = near or [one for one in known if one.lower() == name.lower()]
+    meant = f"did you mean {near[0]}? " if near else ""
+    return Error(f"{plugin}: {name!r} is no key of it; {meant}the keys are {', '.join(known)}")
+
+
 class Keys:
     """Keys that a user gave to one object of a scene."""
 
@@ -43,16 +52,7 @@ class Keys:
         self.props, self.plugin, self.known = props, plugin, list(known)
         for name in props.keys():
             if name not in self.known:
-                self._unknown(name)
-
-    def _unknown(self, name: str) -> None:
-        # `alpha` is nearer to `A` than any distance of letters tells, so all keys are listed too.
-        near = difflib.get_close_matches(name, self.known, 1, 0.5)
-        near = near or [one for one in self.known if one.lower() == name.lower()]
-        meant = f"did you mean {near[0]}? " if near else ""
-        raise Error(
-            f"{self.plugin}: {name!r} is no key of it; {meant}the keys are {', '.join(self.known)}"
-        )
+                raise unknown(name, plugin, self.known)
 
     def has(self, name: str) -> bool:
         """Return whether a key was given."""
@@ -85,13 +85,20 @@ class Keys:
             raise Error(f"{self.plugin}: {name} is a {type(value).__name__}; give a text")
         return value
 
+    def flag(self, name: str) -> bool:
+        """Return true or false; false if left out."""
+        value = self.props.get(name, False)
+        if not isinstance(value, bool):
+            raise Error(f"{self.plugin}: {name} is {value!r}; give true or false")
+        return value
+
     def vector(self, name: str) -> tuple[float, float, float] | None:
         """Return a vector that is not 0."""
         if not self.has(name):
             return None
         try:
             made = [float(one) for one in self.props[name]]
-        except TypeError:
+        except (TypeError, ValueError):
             made = []
         if len(made) != 3 or not np.isfinite(made).all() or np.linalg.norm(made) == 0:
             raise Error(

@@ -19,6 +19,8 @@ from midair.mitsuba._directions import choose, is_scalar
 from midair.mitsuba._keys import Keys
 
 KEYS = ["max_depth", "rr_depth", "guided"]
+#: What a path has met: a sheet or a guiding half mirror; 0 otherwise.
+_SHEET, _MIRROR = 1, 2
 
 
 @dataclass
@@ -26,6 +28,8 @@ class Found:
     """What a scene holds that the integrator must know of."""
 
     sheets: list[Any]
+    #: Whether all sheets are rectangles, whose border needs no ray.
+    are_rectangles: bool
     #: Whether derivatives by a parameter of the scene are being followed.
     is_followed: bool
 
@@ -41,9 +45,13 @@ def path_class(sheet: type, mirror: type) -> type:
             keys = Keys(props, "midair_path", KEYS)
             self.max_depth = _count(keys, "max_depth", -1)
             self.rr_depth = _count(keys, "rr_depth", 5)
-            self.is_guided = bool(props.get("guided", False))
+            self.is_guided = keys.flag("guided")
             self._known: tuple[Any, Found] | None = None
             self._is_forward = False
+
+        def search(self, scene: Any) -> Found:
+            """Return what a scene holds, or raise an error about its sheets."""
+            return search(scene, sheet)
 
         def _found(self, scene: Any) -> Found:
             """Return what a scene holds."""
@@ -51,7 +59,7 @@ def path_class(sheet: type, mirror: type) -> type:
             # come here with every ray, and have no derivatives.
             if self._known is not None and self._known[0] is scene:
                 return self._known[1]
-            found = search(scene, sheet)
+            found = self.search(scene)
             if is_scalar():
                 self._known = scene, found
             if not found.sheets:
@@ -67,7 +75,7 @@ def path_class(sheet: type, mirror: type) -> type:
             self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
         ) -> tuple[Any, Any, list[Any]]:
             found = self._found(scene)
-            step = _Step(self, scene, found.sheets, sheet, mirror)
+            step = _Step(self, scene, found, sheet, mirror)
             state = _State.of(ray, active)
             if is_scalar():
                 while state.active:
@@ -147,10 +155,10 @@ def _state_class() -> type:
 class _Step:
     """One turn of the loop: from a surface to the next."""
 
-    def __init__(self, integrator: Any, scene: Any, sheets: list[Any], sheet: type, mirror: type):
-        self.integrator, self.scene, self.has_sheets = integrator, scene, bool(sheets)
-        self.has_lobe = any(one.A is not None for one in sheets)
-        self.has_spread = any(one.has_spread for one in sheets)
+    def __init__(self, integrator: Any, scene: Any, found: Found, sheet: type, mirror: type):
+        self.integrator, self.scene, self.has_sheets = integrator, scene, bool(found.sheets)
+        self.has_spread = any(one.has_spread for one in found.sheets)
+        self.are_rectangles = found.are_rectangles
         self.sheet, self.mirror = sheet, mirror
         self.limit = integrator.max_depth if integrator.max_depth >= 0 else 0xFFFFFFFF
         self.context = mi.BSDFContext()
@@ -169,16 +177,18 @@ class _Step:
             return
         bsdf = si.bsdf(s.ray)
         has_lobe = active & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
-        ds, emitted = scene.sample_emitter_direction(si, sampler.next_2d(), True, has_lobe)
+        light = sampler.next_2d()
+        ds, emitted = scene.sample_emitter_direction(si, light, True, has_lobe)
         has_lobe &= ds.pdf != 0
         wo = si.to_local(ds.d)
         pick, point = sampler.next_1d(), sampler.next_2d()
         # One call of the BSDF gives both: its value towards the emitter, and a new direction.
         is_ours = mi.Bool(False)
         if self.has_sheets:
-            value, density, bs, weight, is_ours = self._meet(
-                sampler, s, si, bsdf, wo, pick, point, active
-            )
+            # No emitter is sampled from a sheet, so its lobe has these numbers.
+            spread = sampler.next_2d() if self.has_spread else mi.Point2f(0)
+            numbers = pick, point, sampler.next_1d(), light, spread
+            value, density, bs, weight, is_ours = self._meet(s, si, bsdf, wo, numbers, active)
         else:
             value, density, bs, weight = bsdf.eval_pdf_sample(
                 self.context, si, wo, pick, point, active
@@ -226,15 +236,7 @@ class _Step:
         s.light = choose(s.active, s.light + here, s.light)
 
     def _meet(
-        self,
-        sampler: Any,
-        s: _State,
-        si: Any,
-        bsdf: Any,
-        wo: Any,
-        pick: Any,
-        point: Any,
-        active: Any,
+        self, s: _State, si: Any, bsdf: Any, wo: Any, numbers: tuple[Any, ...], active: Any
     ) -> tuple[Any, Any, Any, Any, Any]:
         """Evaluate and sample BSDFs, with sheets that move `si.p` and half mirrors that guide.
 
@@ -242,44 +244,52 @@ class _Step:
         """
         guides, context = self.integrator.is_guided, self.context
         sheet, mirror = self.sheet, self.mirror
-        slot = sampler.next_1d()
-        lobe = sampler.next_2d() if self.has_lobe else mi.Point2f(0)
-        spread = sampler.next_2d() if self.has_spread else mi.Point2f(0)
 
         def meet(self: Any, si: Any, wo: Any, given: Any, active: Any) -> tuple[Any, ...]:
-            pick, point, slot, lobe, spread, returned = given
-            shift, yes, no = mi.Vector3f(0), mi.Bool(True), mi.Bool(False)
+            *numbers, returned = given
             if isinstance(self, sheet):
-                weight, shift, out = self.follow(si, pick, point, slot, lobe, spread, active)
-                return mi.Spectrum(0), mi.Float(0), _sent(out), weight, shift, yes, no
+                weight, shift, out = self.follow(si, *numbers, active)
+                return mi.Spectrum(0), mi.Float(0), _sent(out), weight, shift, mi.UInt32(_SHEET)
+            none = mi.Vector2f(0)
             if guides and isinstance(self, mirror):
                 weight, out = self.guided(si, returned)
-                return mi.Spectrum(0), mi.Float(0), _sent(out), weight, shift, no, yes
+                return mi.Spectrum(0), mi.Float(0), _sent(out), weight, none, mi.UInt32(_MIRROR)
+            pick, point, *_ = numbers
             made = self.eval_pdf_sample(context, si, wo, pick, point, active)
-            return *made, shift, no, no
+            return *made, none, mi.UInt32(0)
 
-        given = (pick, point, slot, lobe, spread, s.returned)
+        given = (*numbers, s.returned)
         if is_scalar():
             made = meet(bsdf, si, wo, given, active)
         else:
             made = dr.dispatch(bsdf, meet, si, wo, given, active)
-        value, density, bs, weight, shift, at_sheet, at_mirror = made
-        at_sheet, at_mirror = active & at_sheet, active & at_mirror
-        moved = si.p + si.sh_frame.s * shift.x + si.sh_frame.t * shift.y
-        inside = self._is_on_sheet(si, moved, shift, at_sheet)
+        value, density, bs, weight, shift, met = made
+        at_sheet = active & (met == _SHEET)
+        shift = si.sh_frame.s * shift.x + si.sh_frame.t * shift.y
+        inside = self._is_on_sheet(si, shift, at_sheet)
         weight = choose(at_sheet & _isnt(inside), 0, weight)
-        si.p = choose(at_sheet, moved, si.p)
+        si.p = choose(at_sheet, si.p + shift, si.p)
         s.returned |= at_sheet
-        return value, density, bs, weight, at_sheet | at_mirror
+        return value, density, bs, weight, active & (met != 0)
 
-    def _is_on_sheet(self, si: Any, moved: Any, shift: Any, active: Any) -> Any:
-        """Return whether a moved place still lies on its sheet: a short ray across it tells."""
+    def _is_on_sheet(self, si: Any, shift: Any, active: Any) -> Any:
+        """Return whether a shifted place still lies on its sheet."""
         if is_scalar() and not active:
             return False
+        shift = dr.detach(shift)
+        if self.are_rectangles:
+            # Their u and v go from 0 to 1 along two sides at right angles.
+            u = si.uv.x + dr.dot(shift, si.dp_du) / dr.squared_norm(si.dp_du)
+            v = si.uv.y + dr.dot(shift, si.dp_dv) / dr.squared_norm(si.dp_dv)
+            return (u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)
+        return self._is_hit(si, shift, active)
+
+    def _is_hit(self, si: Any, shift: Any, active: Any) -> Any:
+        """Return whether a short ray across the sheet meets it at a shifted place."""
         # Long enough for the sag of a curved sheet and for the rounding of coordinates.
-        place = dr.detach(moved)
+        place = dr.detach(si.p) + shift
         size = dr.maximum(dr.max(dr.abs(place)), 1)
-        reach = 0.1 * dr.norm(dr.detach(shift)) + 1e-5 * size
+        reach = 0.1 * dr.norm(shift) + 1e-5 * size
         normal = mi.Vector3f(si.n)
         probe = mi.Ray3f(
             place + reach * normal, -normal, 2 * reach, si.time, si.wavelengths
@@ -341,7 +351,7 @@ def search(scene: Any, sheet: type) -> Found:
         If a sheet lies inside another BSDF, which would lose its shift, or if azimuth 0 is not
         defined on a mesh.
     """
-    found = Found([], False)
+    found = Found([], True, False)
     seen: set[Any] = set()
 
     class Walk(mi.TraversalCallback):  # type: ignore[misc, name-defined]
@@ -362,6 +372,9 @@ def search(scene: Any, sheet: type) -> Found:
     def visit(thing: Any, owner: Any) -> None:
         if isinstance(thing, sheet):
             _check(thing, owner)
+            found.are_rectangles &= (
+                isinstance(owner, mi.Shape) and owner.shape_type() == +mi.ShapeType.Rectangle
+            )
             if thing not in found.sheets:
                 found.sheets.append(thing)
         if id(thing) in seen:

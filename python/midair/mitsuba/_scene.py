@@ -15,7 +15,7 @@ from midair._picture import Picture, is_file
 from midair._picture import picture as read_picture
 from midair._table import Table
 from midair._words import File
-from midair.mitsuba._keys import SHEET, hold
+from midair.mitsuba._keys import SHEET, hold, unknown
 
 
 def sheet(
@@ -50,14 +50,12 @@ def sheet(
         if value is None:
             continue
         if name not in SHEET:
-            raise Error(
-                f"midair_sheet: {name!r} is no key of it; the keys are {', '.join(SHEET)}"
-            )
+            raise unknown(name, "midair_sheet", SHEET)
         if isinstance(value, (Table, Result)):
             value = hold(value)
         elif isinstance(value, os.PathLike):
             value = os.fspath(value)
-        elif name == "first_edge":
+        elif name == "first_edge" and not isinstance(value, str):
             value = [float(one) for one in value]
         made[name] = value
     return made
@@ -138,6 +136,18 @@ def scene(
         raise Error(
             'no variant of Mitsuba is set; call midair.mitsuba.set_variant("llvm_ad_rgb") first'
         )
+    lengths = {
+        "distance": distance,
+        "width": width,
+        "sheet_size": sheet_size,
+        "camera_distance": camera_distance,
+        "aperture": aperture,
+        "field": field,
+        "samples": samples,
+    }
+    for name, value in lengths.items():
+        if value is not None and not value > 0:
+            raise Error(f"{name} is {value:g}; give a number above 0")
     near = distance / 2 if source_distance is None else float(source_distance)
     if not 0 < near < distance:
         raise Error(

@@ -19,7 +19,8 @@ import mitsuba as mi
 import numpy as np
 
 from midair._errors import Error, MidairWarning
-from midair.mitsuba._directions import Directions, choose, grid_of, is_scalar
+from midair.mitsuba._directions import Directions, choose, is_scalar, read_two
+from midair.mitsuba._grid import grid_of
 from midair.mitsuba._keys import SHEET, Keys, Numbers, numbers_of
 
 #: Entries of the table of the lobe, and where the radial lobe is cut, in A tan(angle).
@@ -118,29 +119,30 @@ def sheet_class(delta: type) -> type:
                 sine, azimuth, pick, slot, point, front
             )
             size = self.numbers.per_mm * _at(self.c, None, sine, front)
-            shift = mi.Vector3f(size * (du * u_x - dv * u_y), size * (du * u_y + dv * u_x), 0)
+            shift = mi.Vector2f(size * (du * u_x - dv * u_y), size * (du * u_y + dv * u_x))
             weight = mi.Spectrum(choose(front, _at(self.mu, self.numbers.mu, sine, front) * eta, 0))
             if self.has_spread:
                 along, across = self._spread(spread, sine, along, across)
             if self.A is not None:
                 narrow, colour = self._narrowing(si, lobe)
                 radius = narrow * _at(self.A, self.numbers.A, sine, front)
-                r_x, r_y, t = self._lobe(lobe)
+                r_x, r_y, t = self._lobe(lobe, front)
                 along, across = along + r_x / radius, across + r_y / radius
                 if colour is not None:
                     weight = weight * colour(t, narrow)
             direction = dr.normalize(si.wi + along * x + across * v)
             return weight, shift, direction
 
-        def _lobe(self, lobe: Any) -> tuple[Any, Any, Any]:
+        def _lobe(self, lobe: Any, active: Any) -> tuple[Any, Any, Any]:
             """Draw from the lobe: A tan(angle) along x and along v, and the distance from 0."""
             if self.numbers.lobe == "separable":
-                x, y = _signed(self.quantile, lobe.x), _signed(self.quantile, lobe.y)
+                x = _signed(self.quantile, lobe.x, active)
+                y = _signed(self.quantile, lobe.y, active)
                 return x, y, mi.Vector2f(x, y)
             if self.numbers.lobe == "gaussian":
                 r = dr.sqrt(-dr.log(1 - lobe.x))
             else:
-                r = _quantile_at(self.quantile, lobe.x)
+                r = _quantile_at(self.quantile, lobe.x, active)
             sine, cosine = dr.sincos(2 * dr.pi * lobe.y)
             return r * cosine, r * sine, r
 
@@ -254,7 +256,7 @@ def _at(parameter: Any, given: Any, sine: Any, active: Any) -> Any:
 
 
 def _quantile(lobe: str) -> Any:
-    """Return the distances A tan(angle) below which equal shares of a lobe lie.
+    """Return the distances A tan(angle) below which equal shares of a lobe lie, and their steps.
 
     Radial: the density of the distance is sin^2(t) / t up to 2.4 pi. Separable: sin^2(t) / t^2 on
     both sides, kept as t (1 - share), which is finite at the end: t is 1 / (pi (1 - share)) there.
@@ -274,7 +276,8 @@ def _quantile(lobe: str) -> Any:
         mass = _mass(t, density) * (1 - 1 / (np.pi * 1e6))
         inner = np.interp(share[:-1], mass, t) * (1 - share[:-1])
         values = np.append(inner, 1 / np.pi)
-    return values.astype(np.float32) if is_scalar() else mi.Float(values.astype(np.float32))
+    pairs = np.column_stack([values, np.append(np.diff(values), 0)]).astype(np.float32).ravel()
+    return pairs if is_scalar() else mi.Float(pairs)
 
 
 def _mass(t: Any, density: Any) -> Any:
@@ -284,18 +287,16 @@ def _mass(t: Any, density: Any) -> Any:
     return total / total[-1]
 
 
-def _quantile_at(values: Any, share: Any) -> Any:
+def _quantile_at(values: Any, share: Any, active: Any) -> Any:
     """Return the tabulated distance at a share, linear between entries."""
     x = share * (_LOBE - 1)
     k = dr.minimum(mi.UInt32(x), _LOBE - 2)
-    f = x - mi.Float(k)
-    if is_scalar():
-        return float(values[int(k)]) * (1 - f) + float(values[int(k) + 1]) * f
-    return (1 - f) * dr.gather(mi.Float, values, k) + f * dr.gather(mi.Float, values, k + 1)
+    pair = read_two(values, k, active)
+    return pair.x + (x - mi.Float(k)) * pair.y
 
 
-def _signed(values: Any, x: Any) -> Any:
+def _signed(values: Any, x: Any, active: Any) -> Any:
     """Return a distance of the separable lobe, on either side with the same chance."""
     share = dr.abs(2 * x - 1)
-    t = _quantile_at(values, share) / dr.maximum(1 - share, 1e-7)
+    t = _quantile_at(values, share, active) / dr.maximum(1 - share, 1e-7)
     return choose(x < 0.5, -t, t)
