@@ -130,20 +130,28 @@ impl PolygonWave {
     }
 }
 
+/// Series of sin x / x in x^2.
+const SINC: [f64; 8] = [
+    1.0,
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+];
+
 /// Returns sin x / x and its derivative; the series below 0.5 leaves out x^16/17! < 1e-19.
 pub(crate) fn sinc(x: f64) -> (f64, f64) {
     let square = x * x;
     if square < 0.25 {
-        let (mut term, mut value, mut slope) = (1.0, 1.0, 0.0);
-        for n in 1..8 {
-            let n = f64::from(n);
-            let next = -term * square / (2.0 * n * (2.0 * n + 1.0));
-            // d/dx of x^2n / (2n+1)! is 2n x^(2n-1) / (2n+1)!
-            slope += -term * x / (2.0 * n + 1.0);
-            term = next;
-            value += term;
+        let (mut value, mut slope) = (0.0, 0.0);
+        for term in SINC.into_iter().rev() {
+            slope = slope * square + value;
+            value = value * square + term;
         }
-        (value, slope)
+        (value, 2.0 * x * slope)
     } else {
         let (sin, cos) = x.sin_cos();
         (sin / x, (cos - sin / x) / x)
