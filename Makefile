@@ -6,7 +6,7 @@
 .NOTPARALLEL:
 .PHONY: all build install demo manual deny msrv table1 wheel bench-report fmt lint doc bench \
 	tools python rust clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx \
-	test-metrics test-python test-fuzz beside-mitsuba example-mitsuba
+	test-colour test-metrics test-python test-fuzz beside-mitsuba example-mitsuba
 
 CARGO = cargo
 PYTHON = python3
@@ -106,7 +106,7 @@ parts:
 	@echo $(PARTS)
 
 # What takes minutes or wants more than a fresh machine has. Each is one command.
-test-full: test $(PARTS) test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
+test-full: test $(PARTS) test-lean test-mpi test-raw test-mitsuba test-materialx test-colour test-metrics \
 	test-python test-fuzz
 
 # With midair, whose macros want other features: nothing is compiled anew.
@@ -199,6 +199,11 @@ MITSUBA_SCENE = --source $(CAMPAIGN)/source.exr --params demo/result.json --tabl
 test-materialx: demo
 	@$(venv) && $(pip) "materialx==1.39.5"
 	@"$(VENV)/bin/python" tests/in_materialx.py $(BIN)/fit demo/result.json demo/pair.h5
+
+# Named lamps against those of the package colour-science.
+test-colour: demo
+	@$(venv) && $(pip) "colour-science==0.4.7"
+	@"$(VENV)/bin/python" -W ignore tests/in_colour.py $(BIN)/fit demo/pair.h5
 
 # Pictures compared, with LPIPS by seeded weights, in an environment of their own: torch is large.
 test-metrics: build wheel
