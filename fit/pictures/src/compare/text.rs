@@ -148,7 +148,7 @@ impl Comparison {
         };
         let names = self.nominal.join(", ");
         Some(format!(
-            "{names} {are}; -o which.html and --json say what is assumed"
+            "{names} {are}; the page (.html) and --json say what is assumed"
         ))
     }
 
