@@ -122,6 +122,14 @@ pub fn run_by(starter: &[&OsStr], name: &str, folder: &Path, line: &(impl Line +
     }
 }
 
+/// Runs `bake` or `fit` in `folder` on a terminal, which shows standard error too.
+pub fn on_terminal(name: &str, folder: &Path, line: &(impl Line + ?Sized)) -> Run {
+    const TERMINAL: &str = "import pty, sys; sys.exit(pty.spawn(sys.argv[1:]) >> 8)";
+    let terminal = [python(), "-c".into(), TERMINAL.into()];
+    let terminal: Vec<&OsStr> = terminal.iter().map(AsRef::as_ref).collect();
+    run_by(&terminal, name, folder, line)
+}
+
 /// Returns the path of a program in the build folder of this test, and checks that it and the
 /// reader are newer than the sources.
 ///

@@ -65,6 +65,6 @@ pub(crate) fn run(args: &OptimiseArgs) -> Result<(), Error> {
     let name = in_a_line(&name);
     Ok(print(&match args.json {
         true => format!("{}\n", report::json(&answer, &name, seconds)),
-        false => report::text(&answer, &name, seconds),
+        false => report::text(&goal, &answer, &name, seconds),
     })?)
 }

@@ -2,7 +2,9 @@
 
 use crate::datasheet::figures;
 use crate::datasheet::map::EtaMap;
-use crate::datasheet::report::{coarse, common, half, number, ratio, spread};
+use crate::datasheet::report::{
+    coarse, common, half, mtf50_ratio, number, ratio, sharpness, spread,
+};
 use crate::datasheet::sheet::Datasheet;
 use charts::escape;
 use std::fmt::Write;
@@ -15,7 +17,10 @@ pub(crate) fn page(sheets: &[Datasheet], command: &str) -> String {
     let title = names.join(" and ");
     let mut body = facts(sheets);
     match sheets {
-        [a, b] => body.push_str(&compared(a, b)),
+        [a, b] => {
+            body.push_str(&compared(a, b));
+            body.push_str(&sharpness_of_both(a, b));
+        }
         _ => sheets.iter().for_each(|sheet| body.push_str(&eta(sheet))),
     }
     body.push_str("<h2>Spots of dihedral errors</h2>\n<div class=\"pair\">\n");
@@ -129,7 +134,7 @@ fn compared(a: &Datasheet, b: &Datasheet) -> String {
         let heads = [
             "Incidence".to_owned(),
             format!("{}, mean over azimuths", names[0]),
-            names[1].to_owned(),
+            format!("{}, mean over azimuths", names[1]),
             "difference".to_owned(),
             "ratio".to_owned(),
             "least to largest ratio".to_owned(),
@@ -169,13 +174,45 @@ fn compared(a: &Datasheet, b: &Datasheet) -> String {
     out
 }
 
+/// Writes the MTF50 of two cells and their ratio.
+fn sharpness_of_both(a: &Datasheet, b: &Datasheet) -> String {
+    let of = |axis: &str| [&a.name, &b.name].map(|name| format!("{axis}, {name}"));
+    let [first, second] = of("tangential");
+    let [third, fourth] = of("sagittal");
+    let ratio = "ratio".to_owned();
+    let head = "Surface, incidence".to_owned();
+    let heads = [head, first, second, ratio.clone(), third, fourth, ratio];
+    let pairs = common(a, b).into_iter();
+    let pairs = pairs.flat_map(|(surface, _)| sharpness(a, b, surface));
+    let row = |pair: [&crate::datasheet::Tolerance; 2]| {
+        let title = pair[0].surface.title(&a.request.metal);
+        let mut row = vec![format!("{title}, {}\u{b0}", pair[0].incidence_deg)];
+        for k in 0..2 {
+            row.extend(pair.map(|own| number(own.mtf50_per_mm[k])));
+            row.push(number(mtf50_ratio(pair, k)));
+        }
+        row
+    };
+    let conditions: String = [a, b]
+        .iter()
+        .map(|sheet| {
+            let name = escape(&sheet.name);
+            format!("<p>{name}: at {}.</p>\n", sheet.conditions())
+        })
+        .collect();
+    format!(
+        "<h2>MTF50 (1/mm)</h2>\n{conditions}{}",
+        table(&heads, pairs.map(row))
+    )
+}
+
 /// Writes eta and MTF50 with and without random errors.
 fn tolerances(sheets: &[Datasheet]) -> String {
     let request = &sheets[0].request;
     let heads = [
         "Surface, incidence",
-        "eta",
-        "eta of random cells",
+        "eta at the azimuth",
+        "of random cells",
         "MTF50 (1/mm), tangential",
         "of random cells",
         "of a sheet of them",
@@ -185,14 +222,9 @@ fn tolerances(sheets: &[Datasheet]) -> String {
     ];
     let mut out = format!(
         "<h2>Tolerance</h2>\n<p>{} random cells, seed {}: each dihedral angle has an independent \
-         error with a standard deviation of {} mrad. Distance {} mm, {} nm, azimuth {}\u{b0}. Mean \
-         \u{b1} standard deviation of one cell (least to largest).</p>\n",
-        request.cells,
-        request.seed,
-        request.error_mrad,
-        request.distance_mm,
-        request.wavelength_nm,
-        request.azimuth_deg,
+         error with a standard deviation of {} mrad. Mean \u{b1} standard deviation of one cell \
+         (least to largest).</p>\n",
+        request.cells, request.seed, request.error_mrad,
     );
     for sheet in sheets {
         let row = |own: &crate::datasheet::Tolerance| {
@@ -214,6 +246,7 @@ fn tolerances(sheets: &[Datasheet]) -> String {
         if sheets.len() > 1 {
             let _ = writeln!(out, "<h3>{}</h3>", escape(&sheet.name));
         }
+        let _ = writeln!(out, "<p>At {}.</p>", sheet.conditions());
         out.push_str(&table(
             &heads.map(String::from),
             sheet.tolerances.iter().map(row),

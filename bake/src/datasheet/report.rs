@@ -97,6 +97,22 @@ impl CellFacts {
     }
 }
 
+impl Datasheet {
+    /// Describes the conditions of the tolerances, of eta and MTF50 in one direction.
+    pub(crate) fn conditions(&self) -> String {
+        let request = &self.request;
+        // A length in another unit than mm has lost its short decimal form.
+        let c_mm: f64 = format!("{:.5e}", self.cell.c_mm)
+            .parse()
+            .unwrap_or(self.cell.c_mm);
+        format!(
+            "azimuth {}\u{b0}, {} mm from the sheet, {} nm, corner size c {c_mm} mm, kernel wave \
+             (ray shift, diffraction, dihedral errors); MTF50 tangential and sagittal",
+            request.azimuth_deg, request.distance_mm, request.wavelength_nm,
+        )
+    }
+}
+
 /// Returns the incidences of short tables: their places on the axis of a map.
 pub(crate) fn coarse(map: &EtaMap) -> Vec<usize> {
     let mut next = 0.0;
@@ -142,6 +158,25 @@ pub(crate) fn ratio(own: f64, other: f64) -> Option<f64> {
     (own > 0.0).then(|| other / own)
 }
 
+/// Returns the tolerances of a surface that both data sheets have, one pair for each incidence.
+pub(crate) fn sharpness<'a>(
+    a: &'a Datasheet,
+    b: &'a Datasheet,
+    surface: Surface,
+) -> Vec<[&'a Tolerance; 2]> {
+    let of = |sheet: &'a Datasheet| {
+        let all = sheet.tolerances.iter();
+        all.filter(move |own| own.surface == surface)
+    };
+    of(a).zip(of(b)).map(|(own, other)| [own, other]).collect()
+}
+
+/// Returns the ratio of two MTF50, tangential (0) or sagittal (1); `None` where one is not known.
+pub(crate) fn mtf50_ratio([own, other]: [&Tolerance; 2], axis: usize) -> Option<f64> {
+    let [own, other] = [own, other].map(|of| of.mtf50_per_mm[axis]);
+    ratio(own?, other?)
+}
+
 /// Returns the maps of a surface that both data sheets have.
 pub(crate) fn common<'a>(a: &'a Datasheet, b: &'a Datasheet) -> Vec<(Surface, [&'a EtaMap; 2])> {
     let own = a.surfaces.iter();
@@ -167,9 +202,14 @@ pub(crate) fn text(sheets: &[Datasheet]) -> String {
         let metal = &sheet.request.metal;
         for own in &sheet.surfaces {
             let title = own.surface.title(metal);
-            let name = format!("{title}: eta {:.4}", own.map.eta[[0, 0]]);
-            let _ = writeln!(out, "  {name:34} half at {}", half(&own.map));
+            let name = format!("{title}: eta {:.4} at 0\u{b0}", own.map.eta[[0, 0]]);
+            let _ = writeln!(
+                out,
+                "  {name:34} half at {}, over all azimuths",
+                half(&own.map)
+            );
         }
+        let _ = writeln!(out, "  At {}:", sheet.conditions());
         for own in &sheet.tolerances {
             let [tangential, sagittal] = own.mtf50_per_mm.map(number);
             let _ = writeln!(
@@ -191,21 +231,45 @@ pub(crate) fn text(sheets: &[Datasheet]) -> String {
         }
     }
     if let [a, b] = sheets {
-        let names = [&a.name, &b.name].map(|name| in_a_line(name));
-        for (surface, [own, other]) in common(a, b) {
-            let title = surface.title(&a.request.metal);
-            let _ = writeln!(out, "{title}: {} against {}", names[1], names[0]);
-            let (first, second) = (own.means(), other.means());
-            for place in coarse(own) {
-                let _ = writeln!(
-                    out,
-                    "  {:>4}\u{b0}  eta {:.4} and {:.4}, ratio {}",
-                    own.incidence_deg[place],
-                    first[place],
-                    second[place],
-                    number(ratio(first[place], second[place]))
-                );
-            }
+        out.push_str(&both(a, b));
+    }
+    out
+}
+
+/// Returns the comparison of two data sheets as text.
+fn both(a: &Datasheet, b: &Datasheet) -> String {
+    let mut out = String::new();
+    let names = [&a.name, &b.name].map(|name| in_a_line(name));
+    for (surface, [own, other]) in common(a, b) {
+        let title = surface.title(&a.request.metal);
+        let _ = writeln!(
+            out,
+            "{title}: {} against {}\n  eta, mean over azimuths",
+            names[1], names[0]
+        );
+        let (first, second) = (own.means(), other.means());
+        for place in coarse(own) {
+            let _ = writeln!(
+                out,
+                "  {:>4}\u{b0}  {:.4} and {:.4}, ratio {}",
+                own.incidence_deg[place],
+                first[place],
+                second[place],
+                number(ratio(first[place], second[place]))
+            );
+        }
+        let _ = writeln!(
+            out,
+            "  MTF50 (1/mm) at azimuth {}\u{b0}, {} mm: tangential; sagittal",
+            a.request.azimuth_deg, a.request.distance_mm
+        );
+        for pair in sharpness(a, b, surface) {
+            let axis = |k: usize| {
+                let [own, other] = pair.map(|of| number(of.mtf50_per_mm[k]));
+                format!("{own} and {other}, ratio {}", number(mtf50_ratio(pair, k)))
+            };
+            let deg = pair[0].incidence_deg;
+            let _ = writeln!(out, "  {deg:>4}\u{b0}  {}; {}", axis(0), axis(1));
         }
     }
     out
@@ -252,10 +316,17 @@ pub(crate) fn json(sheets: &[Datasheet]) -> Value {
             let ratios: Vec<_> = pairs().map(|(a, b)| ratio(*a, *b)).collect();
             let differences: Vec<f64> = pairs().map(|(a, b)| b - a).collect();
             let width = own.azimuth_deg.len();
+            let mtf50 = sharpness(a, b, surface).into_iter().map(|pair| {
+                json!({
+                    "incidence_deg": pair[0].incidence_deg,
+                    "tangential": mtf50_ratio(pair, 0), "sagittal": mtf50_ratio(pair, 1),
+                })
+            });
             json!({
                 "surface": surface.name(),
                 "difference": differences.chunks(width).collect::<Vec<_>>(),
                 "ratio": ratios.chunks(width).collect::<Vec<_>>(),
+                "mtf50_ratio": mtf50.collect::<Vec<_>>(),
             })
         };
         all["second_against_first"] = common(a, b).into_iter().map(pair).collect();
@@ -300,7 +371,7 @@ fn of_sheet(sheet: &Datasheet) -> Value {
         "entrance_area": cell.entrance_area, "dihedral_error_mrad": cell.dihedral_error_mrad,
         "words": words,
         "metal": request.metal, "metal_index": [request.metal_index.re, request.metal_index.im],
-        "wavelength_nm": request.wavelength_nm, "distance_mm": request.distance_mm,
+        "wavelength_nm": request.wavelength_nm, "distance_mm": request.distance_mm, "kernel": "wave",
         "azimuth_of_tolerances_deg": request.azimuth_deg,
         "error_mrad": request.error_mrad, "random_cells": request.cells, "seed": request.seed,
         "incidence_deg": map.incidence_deg, "azimuth_deg": map.azimuth_deg,

@@ -3,10 +3,11 @@
 use crate::datasheet::Surface;
 use crate::error::Error;
 use crate::optimise::candidate::{Candidate, Quality, Values};
-use crate::optimise::evolve::{Merit, evolve, undominated};
+use crate::optimise::evolve::{Member, Merit, evolve, undominated};
 use crate::optimise::goal::{Best, Goal, Parameter};
 use crate::plan::{Plan, Request};
 use crate::run::{Comparison, Progress, trace};
+use meshes::design::Shape;
 use meshes::{CellOptions, Mesh};
 use std::sync::atomic::{AtomicU64, Ordering};
 use tables::options::{Back, Losses, Method};
@@ -57,6 +58,18 @@ pub(crate) struct Loss {
     pub luminance: f64,
 }
 
+/// What became of a design of the goal.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fate {
+    /// Design.
+    pub shape: Shape,
+    /// Number of its cells on the front.
+    pub on_front: usize,
+    /// The largest of each quantity that is wanted, over its cells that meet the conditions; `None`
+    /// if none does.
+    pub best: Option<Vec<f64>>,
+}
+
 /// The best cell, or the front.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Answer {
@@ -65,6 +78,8 @@ pub(crate) struct Answer {
     pub front: Vec<Winner>,
     /// Place of the best cell on the front.
     pub best: usize,
+    /// What became of each design, in the order of the goal.
+    pub fates: Vec<Fate>,
     /// Mesh of the best cell, mm.
     pub mesh: Mesh,
     /// Number of cells that were tried.
@@ -98,6 +113,26 @@ impl Answer {
             })
             .collect()
     }
+
+    /// Says which cell to take if one of both quantities hardly varies along the front.
+    pub(crate) fn advice(&self) -> Option<String> {
+        // Variation that nobody sees, as a share.
+        const HARDLY: f64 = 0.01;
+        let variation = |of: fn(&Quality) -> f64| {
+            let values = || self.front.iter().map(|own| of(&own.quality));
+            let most = values().fold(f64::NEG_INFINITY, f64::max);
+            1.0 - values().fold(f64::INFINITY, f64::min) / most
+        };
+        let (mtf, luminance) = (variation(|own| own.mtf), variation(|own| own.luminance));
+        let (least, name, take) = match mtf <= luminance {
+            true => (mtf, "MTF", "brightest (best = \"luminance\")"),
+            false => (luminance, "luminance", "sharpest (best = \"mtf\")"),
+        };
+        (self.front.len() > 1 && least < HARDLY).then(|| {
+            let percent = 100.0 * least;
+            format!("{name} varies by {percent:.1} % along the front: take the {take}")
+        })
+    }
 }
 
 /// Searches the best cell of a goal. `progress` is told the cells that were tried.
@@ -113,6 +148,7 @@ pub(crate) fn optimise(goal: &Goal, progress: Progress<'_>) -> Result<Answer, Er
     };
     let budget = goal.cells / goal.shapes.len() as u64;
     let mut found: Vec<(Candidate, Merit)> = Vec::new();
+    let mut fates = Vec::new();
     for &shape in &goal.shapes {
         let dimensions = Candidate::varied(shape, &goal.ranges).len();
         let merit = |shares: &[f64]| {
@@ -121,6 +157,11 @@ pub(crate) fn optimise(goal: &Goal, progress: Progress<'_>) -> Result<Answer, Er
             quality.flatten().unwrap_or(Quality::NONE).merit(goal)
         };
         let front = evolve(dimensions, budget, goal.seed, &merit, &done);
+        fates.push(Fate {
+            shape,
+            on_front: 0,
+            best: largest(&front),
+        });
         let cells = front.into_iter();
         found.extend(cells.map(|(shares, merit)| {
             let cell = Candidate::at(shape, &goal.ranges, &shares);
@@ -137,6 +178,10 @@ pub(crate) fn optimise(goal: &Goal, progress: Progress<'_>) -> Result<Answer, Er
     };
     let mut front = front.map(winner).collect::<Result<Vec<Winner>, Error>>()?;
     front.sort_by(|a, b| b.quality.luminance.total_cmp(&a.quality.luminance));
+    for fate in &mut fates {
+        let own = front.iter().filter(|own| own.cell.shape == fate.shape);
+        fate.on_front = own.count();
+    }
     let best = compromise(goal, &front);
     let Winner { cell, quality } = front[best];
     if quality.least < goal.least_mtf {
@@ -161,8 +206,16 @@ pub(crate) fn optimise(goal: &Goal, progress: Progress<'_>) -> Result<Answer, Er
         mesh,
         front,
         best,
+        fates,
         tried: tried.into_inner(),
     })
+}
+
+/// Returns the largest of each quantity over the cells that lack nothing; `None` without any.
+fn largest(front: &[Member]) -> Option<Vec<f64>> {
+    let whole = front.iter().filter(|(_, merit)| merit.lack == 0.0);
+    let values = whole.map(|(_, merit)| merit.values.clone());
+    values.reduce(|a, b| a.iter().zip(&b).map(|(a, b)| a.max(*b)).collect())
 }
 
 /// Returns the place of the cell of a front that is nearest to the best of both, where the front

@@ -1,8 +1,8 @@
 //! The answer as text for a person, as JSON for a script, and the front as a picture.
 
-use crate::optimise::answer::{Answer, Check, Loss, Winner};
+use crate::optimise::answer::{Answer, Check, Fate, Loss, Winner};
 use crate::optimise::candidate::Candidate;
-use crate::optimise::goal::{Goal, Parameter};
+use crate::optimise::goal::{Best, Goal, Parameter};
 use charts::{Axis, Curve, Dash, Facet, Figure, HUES, Marks, Stroke};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -41,8 +41,38 @@ impl Candidate {
     }
 }
 
+impl Fate {
+    /// Says what became of the design: its cells on the front, or how good they are at best.
+    fn words(&self, best: Best) -> String {
+        let name = self.shape.name();
+        let names: &[&str] = match best {
+            Best::Mtf => &["MTF"],
+            Best::Luminance => &["luminance"],
+            Best::Both => &["MTF", "luminance"],
+        };
+        let cells = match self.on_front {
+            1 => "1 cell".into(),
+            count => format!("{count} cells"),
+        };
+        match &self.best {
+            _ if self.on_front > 0 => format!("{name}: {cells} on the front"),
+            None => format!(
+                "{name}: not on the front, none was found that keeps the frequencies visible"
+            ),
+            Some(values) => {
+                let values = names.iter().zip(values);
+                let values: Vec<String> = values
+                    .map(|(name, value)| format!("{name} {value:.4}"))
+                    .collect();
+                let values = values.join(" or ");
+                format!("{name}: not on the front, reaches {values}")
+            }
+        }
+    }
+}
+
 /// Returns the answer as text; `seconds` is the time of the search.
-pub(crate) fn text(answer: &Answer, file: &str, seconds: f64) -> String {
+pub(crate) fn text(goal: &Goal, answer: &Answer, file: &str, seconds: f64) -> String {
     let Winner { cell, quality } = &answer.front[answer.best];
     let mut out = format!(
         "{file}: {}\n  MTF {:.4}, luminance {:.4}, lowest MTF {:.4}\n{} cells in {seconds:.1} s\n",
@@ -52,6 +82,13 @@ pub(crate) fn text(answer: &Answer, file: &str, seconds: f64) -> String {
         quality.least,
         answer.tried
     );
+    if let Some(advice) = answer.advice() {
+        let _ = writeln!(out, "{advice}");
+    }
+    if goal.shapes.len() > 1 {
+        let fates = answer.fates.iter().map(|fate| fate.words(goal.best));
+        fates.for_each(|words| out.push_str(&format!("{words}\n")));
+    }
     let count = answer.front.len();
     if count > 1 {
         let _ = writeln!(out, "\nfront of {count} cells\n   MTF  luminance  cell");
@@ -111,10 +148,13 @@ pub(crate) fn json(answer: &Answer, file: &str, seconds: f64) -> Value {
             "parameter": own.what, "step": own.step, "mtf": own.mtf, "luminance": own.luminance,
         })
     };
+    let fate = |own: &Fate| json!({ "design": own.shape.name(), "on_front": own.on_front, "best": own.best });
     json!({
         "mesh": file,
         "best": winner(&answer.front[answer.best]),
         "front": answer.front.iter().map(winner).collect::<Vec<_>>(),
+        "advice": answer.advice(),
+        "designs": answer.fates.iter().map(fate).collect::<Vec<_>>(),
         "cells": answer.tried,
         "seconds": seconds,
         "sensitivity": answer.losses.iter().map(loss).collect::<Vec<_>>(),

@@ -358,6 +358,9 @@ fn pages_and_numbers_hold_everything() {
         let page = page(some, "bake datasheet <b>");
         assert_eq!(charts::check::faults(&page), [""; 0]);
         assert!(!page.contains("<script") && !page.contains("<b>") && !page.contains("NaN"));
+        let kernel = "azimuth 0\u{b0}, 300 mm from the sheet, 550 nm, corner size c";
+        let comparison = page.contains("<h2>MTF50 (1/mm)</h2>");
+        assert!(page.contains(kernel) && comparison == (some.len() == 2));
     }
     let csv = report::csv(&sheets);
     // A solid and a hollow cell have two surfaces in common.

@@ -154,6 +154,17 @@ fn the_front_holds_the_best_cells_of_a_grid() {
             .all(|pair| pair[0][0] > pair[1][0] && pair[0][1] < pair[1][1])
     );
     assert!(answer.front.iter().all(|own| own.quality.least >= 0.02));
+    // A pair is a cell without cant, so each cell of its front is one of the wider search.
+    let [canted, pair] = &answer.fates[..] else {
+        panic!("two designs: {:?}", answer.fates);
+    };
+    assert_eq!(canted.on_front + pair.on_front, front.len());
+    let of_both = [canted, pair].map(|own| own.best.as_ref().expect("a cell"));
+    let merit = |own: [f64; 2]| [own[1], own[0]];
+    for (k, end) in [(0, front.len() - 1), (1, 0)] {
+        let best = of_both[0][k].max(of_both[1][k]);
+        assert_eq!(best, merit(front[end])[k], "an end of the front");
+    }
     let last = front.len() - 1;
     let room = [0, 1].map(|k| (front[0][k] - front[last][k]).abs() / 39.0);
     let mut cells = 0;
@@ -173,6 +184,23 @@ fn the_front_holds_the_best_cells_of_a_grid() {
         }
     }
     assert_eq!(cells, 31 * 31);
+    // The front varies by far more than a hundredth in both, until its ends are brought together.
+    assert_eq!(answer.advice(), None);
+    for (k, said) in [(0, "take the brightest"), (1, "take the sharpest")] {
+        let mut flat = answer.clone();
+        for (place, own) in flat.front.iter_mut().enumerate() {
+            let near = 1.0 + 0.004 * place as f64 / last as f64;
+            match k {
+                0 => own.quality.mtf = 0.3 * near,
+                _ => own.quality.luminance = 0.3 * near,
+            }
+        }
+        let advice = flat.advice().expect("one quantity hardly varies");
+        assert!(
+            advice.contains("varies by 0.4 %") && advice.contains(said),
+            "{advice}"
+        );
+    }
 }
 
 /// Functions with known optima: Rosenbrock's valley, which bends, to 1e-6 of its range; a cone whose

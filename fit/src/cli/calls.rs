@@ -231,7 +231,7 @@ pub fn explore(
     let table = result.seen(table).map_err(Failure::from)?;
     let sheet = Fitted::new(result, &table).map_err(Failure::from)?;
     let title = "estimate in Python".into();
-    let made = explore::made(&arguments, sheet, title, source, &|_| ())?;
+    let made = explore::made(&arguments, sheet, title, source, SILENT)?;
     Ok((made.html, output::json(&made.facts)))
 }
 

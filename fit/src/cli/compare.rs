@@ -13,13 +13,15 @@ use crate::cli::options::by_hand::{HALF_MIRROR, sheets};
 use crate::cli::options::light::Light;
 use crate::cli::options::parse;
 use crate::cli::output;
+use crate::cli::progress::Bar;
 use edges::photographs::photo;
 use edges::photographs::photo::picture::Picture;
 use edges::photographs::photo::transfer::Transfer;
 use estimator::predict::{Fitted, Viewing};
 use estimator::result::{Nominal, ResultFile, TableResult};
-use pictures::compare::{Behind, Conditions, Contender, Gallery, Seat, Sight};
+use pictures::compare::{Behind, Conditions, Contender, Seat, Sight};
 use pictures::compare::{compare, gallery, page};
+use pictures::images::RenderStep;
 
 /// Shows sheets side by side: luminance, contrast, smallest readable letter, sharpness.
 #[derive(Debug, clap::Args)]
@@ -257,20 +259,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let azimuth = sight.map_or(arguments.azimuth, |sight| sight.middle.azimuth_deg);
         contenders.push(own.contender(azimuth)?);
     }
-    let mut found = pool.install(|| compare(&contenders, conditions.clone()))?;
+    let progress = Bar::of_steps();
+    let show = |part: RenderStep| progress.part(part.what, part.done, part.of);
+    let made = pool.install(|| {
+        let found = compare(&contenders, conditions.clone(), &show)?;
+        let axis = sight.map_or(0.0, |sight| sight.tangential_axis_deg);
+        let shown = picture.as_ref().zip(arguments.width);
+        let shown = shown.map(|((file, picture), width)| {
+            let source = (file.display().to_string(), picture);
+            gallery(&contenders, &conditions, source, width, axis, &show)
+        });
+        Ok::<_, pictures::Error>((found, shown.transpose()?))
+    });
+    progress.done();
+    let (mut found, shown) = made?;
     found
         .warnings
         .extend(sight.map(|sight| over_the_picture(&sight)));
-    let shown = match (&picture, arguments.width) {
-        (Some((file, picture)), Some(width)) => {
-            let name = file.display().to_string();
-            let axis = sight.map_or(0.0, |sight| sight.tangential_axis_deg);
-            let made: Result<Gallery, _> =
-                pool.install(|| gallery(&contenders, &conditions, (name, picture), width, axis));
-            Some(made?)
-        }
-        _ => None,
-    };
+    terminal::warn(found.not_measured());
     terminal::warn(&found.warnings);
     let command = output::command_line(std::env::args_os());
     let text = match (format, arguments.json) {

@@ -22,6 +22,7 @@ use estimator::result::ResultFile;
 use pictures::explore::{self, Explorer, Source, Span, Start};
 use pictures::images::mid_air::spacious;
 use pictures::images::shown;
+use pictures::images::{RenderProgress, RenderStep};
 
 /// Writes a page in which you move sliders and see the mid-air image at once.
 #[derive(Debug, clap::Args)]
@@ -218,8 +219,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(file) => Some((file, photo::load_colour(file, arguments.transfer)?)),
     };
     let source = picture.as_ref().map(|(file, own)| (file.as_path(), own));
-    let progress = Bar::of_grids();
-    let made = made(arguments, sheet, title, source, &|_| progress.step());
+    let progress = Bar::of_steps();
+    let show = |part: RenderStep| progress.part(part.what, part.done, part.of);
+    let made = made(arguments, sheet, title, source, &show);
     progress.done();
     let made = made?;
     output.commit(made.html.as_bytes())?;
@@ -256,8 +258,6 @@ pub(super) struct Made {
 
 /// Makes the page of a sheet, which shows the picture `source` first if there is one.
 ///
-/// `step` is told how many grids have been tried.
-///
 /// # Errors
 /// Fails if an option contradicts the table, or if the sheet has no blur in a direction.
 pub(super) fn made(
@@ -265,7 +265,7 @@ pub(super) fn made(
     sheet: Fitted<'_>,
     title: String,
     source: Option<(&Path, &Picture)>,
-    step: &(dyn Fn(usize) + Sync),
+    progress: RenderProgress<'_>,
 ) -> Result<Made, Failure> {
     let mut warnings = sheet.warnings();
     let span = arguments.span(sheet.result)?;
@@ -289,7 +289,7 @@ pub(super) fn made(
         source: source.map(|(file, picture)| embedded(file, picture)),
     };
     let pool = terminal::pool(arguments.threads)?;
-    let page = pool.install(|| explore::page(&explorer, step))?;
+    let page = pool.install(|| explore::page(&explorer, progress))?;
     if page.misfit.pixel > explore::WANTED {
         warnings.push(format!(
             "a pixel of the page can err by {:.1} % of the brightest, because no finer grid fits \

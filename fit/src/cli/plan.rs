@@ -40,7 +40,7 @@ to `repeat` times of [choices]. [camera] takes the keys of `fit simulate`.
   fit plan plan.toml --table pair.h5 --given result.json
 
 The manifest names the photographs to take; the second line says what more of
-them would add to a result.
+them would add to a result, and whose plan may leave [beliefs] out.
 
 Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
@@ -52,7 +52,7 @@ pub(crate) struct Arguments {
     pub table: PathBuf,
     /// Result of earlier photographs of the sheet, to which the planned ones add.
     ///
-    /// The lobe, `per_angle` and `seen_in_mirror` of the plan are then those of the result. Of a
+    /// A plan without [beliefs] believes it, within two standard errors on either side. The lobe, `per_angle` and `seen_in_mirror` of the plan are then those of the result. Of a
     /// parameter with one value per incidence no error is taken.
     #[arg(long, value_name = "RESULT.json")]
     pub given: Option<PathBuf>,
@@ -82,10 +82,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = inputs.chain(&arguments.given).map(PathBuf::as_path);
     let mut outputs = Outputs::beside(inputs);
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
-    let mut asked = Plan::load(&arguments.plan)?;
-    let table = tables::read(&arguments.table)?;
     let given = arguments.given.as_deref();
     let given = given.map(|file| read_channel(file, None)).transpose()?;
+    let mut asked = Plan::load(&arguments.plan, given.as_ref())?;
+    let table = tables::read(&arguments.table)?;
     if let Some(result) = &given {
         terminal::warn(asked.follow(result));
     }

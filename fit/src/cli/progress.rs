@@ -58,17 +58,11 @@ impl Bar {
         )
     }
 
-    /// Shows a bar for the steps of an estimate or a render, see [`Bar::show`] and
+    /// Shows a bar for the steps of an estimate, a render, a page or a comparison, see [`Bar::show`] and
     /// [`Bar::part`].
     #[cfg(feature = "full")]
     pub(crate) fn of_steps() -> Bar {
         Bar::with(0, "{bar:40} {pos}/{len} {msg}, {rate}, {eta} left")
-    }
-
-    /// Shows how many grids of a page have been tried, and for how long.
-    #[cfg(feature = "full")]
-    pub(crate) fn of_grids() -> Bar {
-        Bar::with(0, "{spinner} grid {pos} tried, {elapsed}")
     }
 
     #[cfg(feature = "full")]
@@ -114,11 +108,13 @@ impl Bar {
 
     #[cfg(feature = "full")]
     fn draw(&self, what: &'static str, done: usize, of: usize) {
-        if self.bar.message() != what {
-            self.bar.set_message(what);
-            self.bar.reset();
-        }
+        // The length comes first, so that no bar of length 0 is drawn.
+        let is_other = self.bar.message() != what;
         self.bar.set_length(of as u64);
+        if is_other {
+            self.bar.reset();
+            self.bar.set_message(what);
+        }
         self.bar.set_position(done as u64);
     }
 

@@ -10,13 +10,16 @@ use std::path::Path;
 /// Reads an OBJ, glTF, GLB, STL or PLY file, by its extension.
 ///
 /// # Errors
-/// Fails if the file is missing, has another extension, is larger than 128 MiB, has more than 2^21
-/// vertices or triangles, or is malformed.
+/// Fails if the file is missing or a folder, has another extension, is larger than 128 MiB, has more
+/// than 2^21 vertices or triangles, or is malformed.
 pub fn load(path: &Path) -> Result<Mesh, Error> {
     let extension = path
         .extension()
         .map(|e| e.to_string_lossy().to_lowercase())
         .unwrap_or_default();
+    if path.is_dir() {
+        return Err(Error::new(path, Fault::Folder));
+    }
     let bytes = match extension.as_str() {
         "obj" | "gltf" | "glb" | "stl" | "ply" => {
             read_bounded(path, MAX_BYTES).map_err(|fault| Error::new(path, fault))?

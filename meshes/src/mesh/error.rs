@@ -40,6 +40,8 @@ pub enum Fault {
     // ---- the file as such
     #[error("cannot be read ({0}); check the path and its permissions")]
     Unreadable(#[source] std::io::Error),
+    #[error("is a folder; name a mesh in it")]
+    Folder,
     #[error("cannot be written ({0}); check the folder and its permissions")]
     Unwritable(#[source] std::io::Error),
     #[error(

@@ -29,13 +29,12 @@ impl Output {
     ///
     /// # Errors
     /// Returns an [`Error`] for the name `-`, for a link that leads nowhere, if the path names a
-    /// folder, a pipe or a device, if the file there is write-protected, or if its folder takes no
-    /// file.
+    /// folder, a pipe or a device, if the file there is write-protected, or if its folder is not
+    /// there or takes no file.
     pub fn reserve(path: &Path) -> Result<Output, Error> {
-        let folder = |error: io::Error| {
+        let refused = |error: io::Error| {
             let fault = format!("cannot be written: its folder takes no file ({error})");
-            let remedy = "choose another output, or make the folder and allow writing";
-            Error::file(path, fault, remedy)
+            Error::file(path, fault, "choose another output, or allow writing")
         };
         let irregular = || {
             let remedy = "name another file, or move it away";
@@ -52,7 +51,7 @@ impl Output {
                 return Err(Error::file(path, "is a link that leads nowhere", remedy));
             }
             Err(error) if error.kind() == io::ErrorKind::InvalidFilename => {
-                return Err(folder(error));
+                return Err(refused(error));
             }
             _ => {}
         }
@@ -69,9 +68,15 @@ impl Output {
         if target.file_name().is_none() {
             return Err(irregular());
         }
-        partial::sweep(folder_of(&target));
+        let folder = folder_of(&target);
+        if fs::metadata(folder).is_err_and(|error| error.kind() == io::ErrorKind::NotFound) {
+            let fault = format!("there is no folder {}", folder.display());
+            let remedy = "make it, or choose another output";
+            return Err(Error::file(path, fault, remedy));
+        }
+        partial::sweep(folder);
         // Only a trial can show that a folder takes a file. The trial file is removed at once.
-        temporary(&target).map_err(folder)?;
+        temporary(&target).map_err(refused)?;
         Ok(Output { target })
     }
 
@@ -89,7 +94,8 @@ impl Output {
         let put = || {
             room_for(bytes.len() as u64)?;
             let mut file = temporary(&self.target)?;
-            file.write_all(bytes)?;
+            // Errors of the temporary file itself name it, and nobody knows this name.
+            file.as_file_mut().write_all(bytes)?;
             file.as_file().sync_all()?;
             file.persist(&self.target)?;
             io::Result::Ok(())
@@ -126,21 +132,16 @@ impl Outputs {
         }
     }
 
-    /// Reserves the output for a table, whose name must not promise another kind of file.
+    /// Reserves the output for a table, whose name has the extension .h5 or .hdf5, or none.
     ///
     /// # Errors
-    /// Returns an [`Error`] if the name ends as that of a mesh, a picture, a text or a page, and
-    /// the errors of [`Outputs::reserve`].
+    /// Returns an [`Error`] for another extension, and the errors of [`Outputs::reserve`].
     pub fn reserve_table(&mut self, path: &Path) -> Result<Output, Error> {
-        const OTHERS: [&str; 20] = [
-            "obj", "gltf", "glb", "stl", "ply", "bin", "png", "svg", "exr", "tif", "tiff", "jpg",
-            "jpeg", "json", "csv", "toml", "html", "txt", "md", "pdf",
-        ];
         let output = self.reserve(path)?;
         let extension = path.extension().map(|end| end.to_ascii_lowercase());
-        if extension.is_some_and(|end| OTHERS.iter().any(|other| end == *other)) {
-            let fault = "is a table, but its name ends as that of another kind of file";
-            return Err(Error::file(path, fault, "name it .h5 or .hdf5"));
+        if extension.is_some_and(|end| end != "h5" && end != "hdf5") {
+            let fault = "is no name of a table";
+            return Err(Error::file(path, fault, "let it end in .h5 or .hdf5"));
         }
         Ok(output)
     }
@@ -185,7 +186,7 @@ fn temporary(target: &Path) -> io::Result<NamedTempFile> {
     {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
-        let file = builder.tempfile_in(folder_of(target))?;
+        let file = builder.tempfile_in(folder_of(target)).map_err(unnamed)?;
         // The umask has no say in the rights of a file that was there before.
         if let Ok(metadata) = fs::metadata(target) {
             let mode = metadata.permissions().mode() & 0o777;
@@ -195,7 +196,13 @@ fn temporary(target: &Path) -> io::Result<NamedTempFile> {
         Ok(file)
     }
     #[cfg(not(unix))]
-    builder.tempfile_in(folder_of(target))
+    builder.tempfile_in(folder_of(target)).map_err(unnamed)
+}
+
+/// Returns an error of a temporary file or folder without the name of it, which tells a user
+/// nothing.
+pub(crate) fn unnamed(error: io::Error) -> io::Error {
+    error.kind().into()
 }
 
 /// Checks the limit of the shell on the length of files, beyond which the system would end this

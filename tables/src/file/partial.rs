@@ -13,6 +13,7 @@ use rustix::process::{Pid, test_kill_process};
 use sha2::{Digest, Sha256};
 
 use crate::file::content::hex;
+use crate::file::output::unnamed;
 
 use tempfile::TempDir;
 
@@ -62,7 +63,7 @@ pub fn scratch_folder(parent: &Path) -> io::Result<TempDir> {
         // The rights of any new folder (the umask applies), for it is renamed to the output.
         builder.permissions(fs::Permissions::from_mode(0o777));
     }
-    builder.tempdir_in(parent)
+    builder.tempdir_in(parent).map_err(unnamed)
 }
 
 /// Removes the partial files and folders in a folder whose writers are dead.

@@ -100,7 +100,13 @@ fn a_place_that_cannot_be_written_is_refused_before_the_run() {
         let error = Output::reserve(path).unwrap_err().to_string();
         assert!(error.contains(reason), "{error}");
     };
-    refused(&inside, "its folder takes no file");
+    refused(&inside, "there is no folder");
+    assert!(
+        !Output::reserve(&inside)
+            .unwrap_err()
+            .to_string()
+            .contains(".partial")
+    );
     refused(folder.path(), "is not a regular file");
     // A device that was renamed over would be gone for every program.
     refused(Path::new("/dev/full"), "is not a regular file");

@@ -129,27 +129,34 @@ impl Edge {
 }
 
 impl Plan {
-    /// Reads and checks a plan.
+    /// Reads and checks a plan. If it has no beliefs, they are those of `given`, an earlier result of
+    /// the sheet.
     ///
     /// # Errors
     /// Returns the first fault of the file with its line: an unknown or missing key, a number out of
-    /// range, an empty list, or a parameter to minimise that the kernel does not have.
-    pub fn load(file: &Path) -> Result<Plan, Error> {
+    /// range, an empty list, a parameter to minimise that the kernel does not have, or beliefs that
+    /// neither the file nor the result has.
+    pub fn load(file: &Path, given: Option<&ResultFile>) -> Result<Plan, Error> {
         let document = Document::read(file)?;
         let asked: Asked = document.parse()?;
-        let (part, Table(beliefs)) = (asked.beliefs.span(), asked.beliefs.into_inner());
-        let spread = ParameterKind::spread_of(beliefs.kernel);
-        let needed = [
-            (beliefs.kernel.has_c() && beliefs.c_mm.is_none(), "c_mm"),
-            (beliefs.spread().is_none(), spread.name()),
-            (
-                beliefs.kernel.has_waves() && beliefs.spectrum.is_none(),
-                "wavelength_nm",
-            ),
-        ];
-        if let Some((_, key)) = needed.into_iter().find(|&(is_missing, _)| is_missing) {
-            return Err(document.missing(part, key, "[beliefs]").into());
-        }
+        let beliefs = match (asked.beliefs, given) {
+            (Some(beliefs), _) => {
+                let (part, Table(beliefs)) = (beliefs.span(), beliefs.into_inner());
+                if let Some(key) = beliefs.lacks() {
+                    return Err(document.missing(part, key, "[beliefs]").into());
+                }
+                beliefs
+            }
+            (None, Some(result)) => Beliefs::of(result).map_err(|key| {
+                document.error(format!(
+                    "[beliefs] is missing, and the given result has no {key}; add [beliefs]"
+                ))
+            })?,
+            (None, None) => {
+                let why = "[beliefs] is missing; add it, or give an earlier result (--given)";
+                return Err(document.error(why).into());
+            }
+        };
         let (part, Table(choices)) = (asked.choices.span(), asked.choices.into_inner());
         let lengths = [
             ("floating_distance_mm", choices.floating_distance_mm.len()),
@@ -224,7 +231,60 @@ impl Plan {
     }
 }
 
+/// Standard errors on either side of a value that is believed: 95 %.
+const BELIEVED: f64 = 2.0;
+
 impl Beliefs {
+    /// Takes the numbers of a result as beliefs, from two standard errors below to two above. A
+    /// number with one value per incidence is believed between the ends of all.
+    ///
+    /// # Errors
+    /// Returns the name of a number that the result lacks.
+    fn of(result: &ResultFile) -> Result<Beliefs, &'static str> {
+        let around = |value: Option<f64>, error: Option<f64>| {
+            let value = value.filter(|value| *value > 0.0)?;
+            // A factor keeps the range above 0.
+            let factor = (BELIEVED * error.unwrap_or(0.0) / value).exp();
+            Some([value / factor, value * factor])
+        };
+        let range = |own: Option<&Parameter>| match own? {
+            Parameter::Shared(own) => around(own.value, own.standard_error),
+            Parameter::PerAngle { per_angle } => per_angle
+                .iter()
+                .filter_map(|own| around(own.value, own.standard_error))
+                .reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]),
+        };
+        let beliefs = Beliefs {
+            kernel: result.kernel,
+            lobe: result.lobe.unwrap_or_default(),
+            c_mm: result.c_mm.and_then(|c| around(c.value, c.standard_error)),
+            a_per_mm: range(result.a_per_mm.as_ref()),
+            a_times_r: range(result.a_times_r.as_ref()),
+            mu: range(result.mu.as_ref()).ok_or(ParameterKind::Mu.name())?,
+            per_angle: Vec::new(),
+            spectrum: result.wavelength_nm.clone(),
+        };
+        beliefs.lacks().map_or(Ok(beliefs), Err)
+    }
+
+    /// Returns the name of a number that the kernel needs and that is missing.
+    fn lacks(&self) -> Option<&'static str> {
+        let kernel = self.kernel;
+        let needed = [
+            (kernel.has_c() && self.c_mm.is_none(), "c_mm"),
+            (
+                self.spread().is_none(),
+                ParameterKind::spread_of(kernel).name(),
+            ),
+            (
+                kernel.has_waves() && self.spectrum.is_none(),
+                "wavelength_nm",
+            ),
+        ];
+        let missing = needed.into_iter().find(|&(is_missing, _)| is_missing);
+        missing.map(|(_, key)| key)
+    }
+
     /// Returns the kinds of parameters of the kernel, in the order of an estimate.
     pub(crate) fn parameters(&self) -> Vec<ParameterKind> {
         let c = self.kernel.has_c().then_some(ParameterKind::CornerSize);
@@ -274,7 +334,8 @@ struct Asked {
     photographs: usize,
     #[serde(default, deserialize_with = "parameters")]
     minimise: Option<Vec<ParameterKind>>,
-    beliefs: toml::Spanned<Table<Beliefs>>,
+    #[serde(default)]
+    beliefs: Option<toml::Spanned<Table<Beliefs>>>,
     choices: toml::Spanned<Table<Choices>>,
     #[serde(default, deserialize_with = "table")]
     camera: PlantedCamera,

@@ -1,8 +1,11 @@
 //! Numbers of several sheets under the same conditions.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::error::Error;
+use crate::images::RenderProgress;
+use crate::images::progress::Pieces;
 use estimator::predict::{
     Criterion, Fitted, Legibility, Letter, Viewing, Viewpoint, between, legibility, remarks,
 };
@@ -78,7 +81,11 @@ pub struct Comparison {
     pub sheets: Vec<Compared>,
     /// Parameters of results whose cell and kernel are the same, compared with each other.
     pub agreement: Vec<Agreement>,
-    /// Warnings, one sentence each.
+    /// Names of the sheets that nobody measured.
+    pub nominal: Vec<String>,
+    /// What these sheets are and what is assumed of them, one text each.
+    pub assumptions: Vec<String>,
+    /// Other warnings, one sentence each.
     pub warnings: Vec<String>,
 }
 
@@ -86,16 +93,20 @@ pub struct Comparison {
 ///
 /// # Errors
 /// Returns [`Error::Contender`] if a table lacks an incidence, or a result a parameter of the blur.
-pub fn compare(sheets: &[Contender<'_>], conditions: Conditions) -> Result<Comparison, Error> {
+pub fn compare(
+    sheets: &[Contender<'_>],
+    conditions: Conditions,
+    progress: RenderProgress<'_>,
+) -> Result<Comparison, Error> {
     let mut compared: Vec<Compared> = Vec::new();
-    let mut warnings = Vec::new();
-    for own in sheets {
-        let at = own.named(own.all(&conditions.incidence_deg, &conditions))?;
-        let table = &own.sheet.table.axes.incidence_deg;
-        let (first, last) = (table[0], table[table.len() - 1]);
-        let steps = (last - first).floor() as usize;
-        let degrees = (0..=steps).map(|k| first + k as f64);
-        let curve = own.named(own.all(&degrees.collect::<Vec<_>>(), &conditions))?;
+    let (mut assumptions, mut warnings) = (Vec::new(), Vec::new());
+    let degrees: Vec<Vec<f64>> = sheets.iter().map(Contender::degrees).collect();
+    let places = sheets.len() * conditions.incidence_deg.len();
+    let places = places + degrees.iter().map(Vec::len).sum::<usize>();
+    let done = Pieces::new(progress, "directions", places);
+    for (own, degrees) in sheets.iter().zip(&degrees) {
+        let at = own.named(own.all(&conditions.incidence_deg, &conditions, &done))?;
+        let curve = own.named(own.all(degrees, &conditions, &done))?;
         let readable_deg = (conditions.letter_mm)
             .map(|letter_mm| own.named(own.readable(&curve, letter_mm, &conditions)))
             .transpose()?;
@@ -103,7 +114,9 @@ pub fn compare(sheets: &[Contender<'_>], conditions: Conditions) -> Result<Compa
             let pairs = at.iter().zip(&first.at);
             pairs.map(|(own, other)| Ratio::of(own, other)).collect()
         });
-        warnings.extend(own.named(own.warnings(&at))?);
+        let [assumed, others] = own.named(own.warnings(&at))?;
+        assumptions.extend(assumed);
+        warnings.extend(others);
         compared.push(Compared {
             name: own.name.clone(),
             at,
@@ -113,17 +126,28 @@ pub fn compare(sheets: &[Contender<'_>], conditions: Conditions) -> Result<Compa
         });
     }
     warnings.extend(half_mirrors(sheets));
+    let nominal = sheets.iter().filter(|own| own.sheet.result.is_nominal());
     Ok(Comparison {
         criterion: Criterion::USUAL,
         eye_mm: conditions.viewing.eye_mm(),
         conditions,
         sheets: compared,
         agreement: agreements(sheets),
+        nominal: nominal.map(|own| own.name.clone()).collect(),
+        assumptions,
         warnings,
     })
 }
 
 impl Contender<'_> {
+    /// Returns every degree of the table.
+    fn degrees(&self) -> Vec<f64> {
+        let table = &self.sheet.table.axes.incidence_deg;
+        let (first, last) = (table[0], table[table.len() - 1]);
+        let steps = (last - first).floor() as usize;
+        (0..=steps).map(|k| first + k as f64).collect()
+    }
+
     fn place(&self, incidence_deg: f64, conditions: &Conditions) -> Viewpoint {
         Viewpoint {
             incidence_deg,
@@ -145,9 +169,14 @@ impl Contender<'_> {
         &self,
         incidence_deg: &[f64],
         conditions: &Conditions,
+        done: &Pieces<'_>,
     ) -> Result<Vec<Legibility>, estimator::Error> {
-        let all = incidence_deg.iter();
-        all.map(|&deg| self.at(deg, conditions)).collect()
+        let at = |&deg: &f64| {
+            let own = self.at(deg, conditions);
+            done.one();
+            own
+        };
+        incidence_deg.par_iter().map(at).collect()
     }
 
     /// Returns the ranges of incidence in which letters of a height are readable. Their ends
@@ -189,8 +218,9 @@ impl Contender<'_> {
         Ok(ranges)
     }
 
-    /// Returns the warnings about a sheet at some places, with its name if they do not have it.
-    fn warnings(&self, at: &[Legibility]) -> Result<Vec<String>, estimator::Error> {
+    /// Returns what is assumed of a nominal sheet, and the other warnings about a sheet at some
+    /// places, with its name if they do not have it.
+    fn warnings(&self, at: &[Legibility]) -> Result<[Vec<String>; 2], estimator::Error> {
         let places: Vec<Viewpoint> = at
             .iter()
             .map(|own| Viewpoint {
@@ -203,13 +233,15 @@ impl Contender<'_> {
         let interpolated = at.iter().filter(|own| own.interpolated);
         let interpolated = interpolated.map(|own| (own.incidence_deg, own.retroreflected));
         warnings.extend(between(&self.sheet, interpolated));
-        let named = warnings
-            .into_iter()
-            .map(|text| match text.starts_with(&self.name) {
-                true => text,
-                false => format!("{}: {text}", self.name),
-            });
-        Ok(named.collect())
+        let result = self.sheet.result;
+        let is_assumed = |text: &String| result.is_nominal() && result.warnings.contains(text);
+        let (assumed, others): (Vec<String>, Vec<String>) =
+            warnings.into_iter().partition(is_assumed);
+        let named = |text: String| match text.starts_with(&self.name) {
+            true => text,
+            false => format!("{}: {text}", self.name),
+        };
+        Ok([assumed, others].map(|texts| texts.into_iter().map(named).collect()))
     }
 
     /// Adds the name of the sheet to an error.

@@ -5,8 +5,9 @@ use rayon::prelude::*;
 use crate::compare::comparison::{Conditions, Contender};
 use crate::error::Error;
 use crate::images::mid_air::{Exposure, Look, MidAir};
+use crate::images::progress::Pieces;
 use crate::images::shown;
-use crate::images::{SILENT, Scale, Viewpoint};
+use crate::images::{RenderProgress, SILENT, Scale, Viewpoint};
 use edges::photographs::photo::picture::Picture;
 use estimator::estimate::Forward;
 use estimator::samples::{Sampling, Sequence};
@@ -58,11 +59,13 @@ pub fn gallery(
     (name, source): (String, &Picture),
     width_mm: f64,
     tangential_axis_deg: f64,
+    progress: RenderProgress<'_>,
 ) -> Result<Gallery, Error> {
     let source = shown::at_most(source, SIDE);
     let places = conditions.incidence_deg.iter();
     let places = places.flat_map(|&deg| sheets.iter().map(move |sheet| (deg, sheet)));
     let places: Vec<(f64, &Contender<'_>)> = places.collect();
+    let pieces = Pieces::new(progress, "pictures", places.len());
     let images: Vec<(Picture, bool)> = places
         .into_par_iter()
         .map(|(incidence_deg, own)| {
@@ -88,6 +91,7 @@ pub fn gallery(
                 beside: false,
             };
             let (image, facts) = wanted.image(&own.sheet, &source, SILENT)?;
+            pieces.one();
             Ok((image, facts.energy.is_none()))
         })
         .collect::<Result<_, Error>>()?;

@@ -31,6 +31,12 @@ pub fn page(comparison: &Comparison, gallery: Option<&Gallery>, command: &str) -
         charts::STYLE,
         followed(sheets.len(), incidences.len())
     );
+    let exposure = gallery.map_or(String::new(), |gallery| {
+        format!(
+            ". Mid-air images are shown {} times as bright as they are",
+            significant(gallery.exposure, 3)
+        )
+    });
     let mut body = menu(comparison);
     for k in 0..incidences.len() {
         let shown = gallery.map(|gallery| (gallery, &gallery.shown[k][..]));
@@ -38,7 +44,7 @@ pub fn page(comparison: &Comparison, gallery: Option<&Gallery>, command: &str) -
     }
     body.push_str(&readable(comparison));
     body.push_str(&charts_of(comparison));
-    body.push_str(&notes(comparison, gallery, command));
+    body.push_str(&notes(comparison, command));
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
@@ -50,7 +56,7 @@ pub fn page(comparison: &Comparison, gallery: Option<&Gallery>, command: &str) -
          </body>\n</html>\n",
         STANDARD.encode(Sha256::digest(&style)),
         env!("CARGO_PKG_VERSION"),
-        escape(&comparison.conditions.words()),
+        escape(&(comparison.conditions.words() + &exposure)),
     )
 }
 
@@ -295,7 +301,7 @@ fn chart(
 }
 
 /// Writes agreement, criterion, warnings and the command, folded.
-fn notes(comparison: &Comparison, gallery: Option<&Gallery>, command: &str) -> String {
+fn notes(comparison: &Comparison, command: &str) -> String {
     let mut out = String::new();
     if !comparison.agreement.is_empty() {
         let rows = comparison.agreement.iter().map(|own| {
@@ -325,12 +331,6 @@ fn notes(comparison: &Comparison, gallery: Option<&Gallery>, command: &str) -> S
             table("Agreement of results", &head, &rows.collect::<Vec<_>>())
         );
     }
-    let exposure = gallery.map_or(String::new(), |gallery| {
-        format!(
-            " All mid-air images are brightened {} times, and hold the ambient light.",
-            significant(gallery.exposure, 3)
-        )
-    });
     let criterion = comparison.criterion;
     let _ = write!(
         out,
@@ -343,13 +343,14 @@ fn notes(comparison: &Comparison, gallery: Option<&Gallery>, command: &str) -> S
          least {} minutes of arc high for the viewer, here {} mm (ISO 8596). Easy reading needs \
          letters three times as high. MTF50 is the frequency at which the lesser of both MTFs \
          falls to one half. Small numbers are ratios to the first sheet; \u{b1} is one standard \
-         error, as far as a fit gives it.{exposure}</p>\n</details>\n",
+         error, as far as a fit gives it.</p>\n</details>\n",
         criterion.periods,
         criterion.contrast,
         criterion.arcminutes,
         significant(comparison.eye_mm, 3)
     );
-    let warnings: String = (comparison.warnings.iter())
+    let texts = comparison.assumptions.iter().chain(&comparison.warnings);
+    let warnings: String = texts
         .map(|warning| format!("<li>{}</li>\n", escape(warning)))
         .collect();
     let _ = write!(

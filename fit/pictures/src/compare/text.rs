@@ -139,6 +139,19 @@ impl Comparison {
         text
     }
 
+    /// Says in a sentence which sheets nobody measured; the page and JSON say what is assumed.
+    pub fn not_measured(&self) -> Option<String> {
+        let are = match self.nominal.len() {
+            0 => return None,
+            1 => "is no measured sheet",
+            _ => "are no measured sheets",
+        };
+        let names = self.nominal.join(", ");
+        Some(format!(
+            "{names} {are}; the page (.html) and --json say what is assumed"
+        ))
+    }
+
     /// Writes the ratios to the first sheet; nothing for a single one.
     fn ratios(&self) -> String {
         let [first, others @ ..] = &self.sheets[..] else {

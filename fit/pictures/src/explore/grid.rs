@@ -21,7 +21,8 @@ use crate::explore::scaling::{Scaling, bend, scaling, states};
 use crate::explore::span::{Fineness, Span, known};
 use crate::explore::stencil::{Ends, Nodes};
 use crate::explore::unit::{UnitSheet, shifts, tilt};
-use crate::images::{Sheet, Viewpoint};
+use crate::images::progress::Pieces;
+use crate::images::{RenderProgress, Sheet, Viewpoint};
 use estimator::Error as PredictError;
 use estimator::predict::Fitted;
 
@@ -84,7 +85,12 @@ impl Grid {
     /// # Errors
     /// Returns [`Error::Sheet`] if the blur cannot be computed, and [`Error::Large`] if the numbers
     /// do not fit into a page.
-    pub(crate) fn new(sheet: &Fitted<'_>, span: &Span, fineness: &Fineness) -> Result<Grid, Error> {
+    pub(crate) fn new(
+        sheet: &Fitted<'_>,
+        span: &Span,
+        fineness: &Fineness,
+        progress: RenderProgress<'_>,
+    ) -> Result<Grid, Error> {
         let (result, table) = (sheet.result, sheet.table);
         let scaling = scaling(result.kernel, table);
         let incidences = &table.axes.incidence_deg;
@@ -119,6 +125,7 @@ impl Grid {
         }
         let unit = UnitSheet::of(result);
         let rays = unit.rays();
+        let pieces = Pieces::new(progress, "directions of a grid", places);
         let nodes: Vec<(f64, Transforms)> = (0..places)
             .into_par_iter()
             .map(|place| {
@@ -127,7 +134,9 @@ impl Grid {
                     azimuth_deg: known(azimuth.place(place % azimuth.count)),
                     r_mm: 1.0,
                 };
-                node(sheet, [&unit, &rays], &at, &shape)
+                let own = node(sheet, [&unit, &rays], &at, &shape);
+                pieces.one();
+                own
             })
             .collect::<Result<_, PredictError>>()?;
         let mut grid = Grid {

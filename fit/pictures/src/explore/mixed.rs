@@ -15,7 +15,8 @@ use crate::explore::lattice::{Lattice, kinked};
 use crate::explore::scaling::Scaling;
 use crate::explore::stencil::Share;
 use crate::explore::unit::tilt;
-use crate::images::{Sheet, TAIL, Viewpoint};
+use crate::images::progress::Pieces;
+use crate::images::{RenderProgress, Sheet, TAIL, Viewpoint};
 use edges::names::{Kernel, LobeShape};
 use edges::numerics::lagrange;
 use edges::numerics::sinc;
@@ -357,14 +358,21 @@ const POINTS: usize = 48;
 ///
 /// # Errors
 /// Returns [`Error::Sheet`] if the blur cannot be computed at a place.
-pub(crate) fn misfit(mixed: &Mixed<'_>, places: &[Viewpoint]) -> Result<Misfit, Error> {
+pub(crate) fn misfit(
+    mixed: &Mixed<'_>,
+    places: &[Viewpoint],
+    progress: RenderProgress<'_>,
+) -> Result<Misfit, Error> {
     let brightest = mixed.grid.energy.iter().copied().fold(0.0, f64::max);
     if brightest <= 0.0 {
         return Ok(Misfit::default());
     }
-    let all = places
-        .par_iter()
-        .map(|place| misfit_at(mixed, place, brightest));
+    let pieces = Pieces::new(progress, "places between them", places.len());
+    let all = places.par_iter().map(|place| {
+        let own = misfit_at(mixed, place, brightest);
+        pieces.one();
+        own
+    });
     all.try_reduce(Misfit::default, |a, b| Ok(a.or(b)))
 }
 
@@ -465,5 +473,5 @@ pub(crate) fn misfit_of(
         sheet: *sheet,
         grid,
     };
-    misfit(&mixed, places)
+    misfit(&mixed, places, crate::images::SILENT)
 }

@@ -14,7 +14,7 @@ use crate::explore::scaling::Scaling;
 use crate::explore::search;
 use crate::explore::span::{Span, known};
 use crate::explore::stencil::Nodes;
-use crate::images::TAIL;
+use crate::images::{RenderProgress, TAIL};
 use edges::names::{Kernel, LobeShape, ParameterKind};
 use estimator::model::Lobe;
 use estimator::model::{Baseline, CUT};
@@ -166,16 +166,14 @@ struct Data<'a> {
 
 /// Makes the page of a sheet.
 ///
-/// `step` is told how many grids have been tried.
-///
 /// # Errors
 /// Returns [`Error::Sheet`] if the blur cannot be computed, and [`Error::Large`] if the numbers do
 /// not fit into a page.
-pub fn page(explorer: &Explorer<'_>, step: &(dyn Fn(usize) + Sync)) -> Result<Page, Error> {
+pub fn page(explorer: &Explorer<'_>, progress: RenderProgress<'_>) -> Result<Page, Error> {
     if explorer.sheet.table.passage.is_some() {
         return Err(Error::Polarised);
     }
-    let found = search::grid(&explorer.sheet, &explorer.span, step)?;
+    let found = search::grid(&explorer.sheet, &explorer.span, progress)?;
     let data = data(explorer, &found.grid, found.misfit, found.places);
     // A script element ends at its end tag, wherever that stands; JSON may write < as an escape.
     let json = serde_json::to_string(&data)

@@ -7,7 +7,7 @@ use crate::explore::mixed::{Misfit, Mixed, misfit};
 use crate::explore::scaling::Scaling;
 use crate::explore::span::{Fineness, Span, known};
 use crate::explore::stencil::Nodes;
-use crate::images::Viewpoint;
+use crate::images::{RenderProgress, Viewpoint};
 use edges::names::Kernel;
 use estimator::predict::Fitted;
 use estimator::result::{AtAngle, Number, Parameter, ResultFile};
@@ -53,15 +53,13 @@ pub(crate) struct Found {
 /// Computes the coarsest grid whose error of mixing is at most 1 %, or else the finest that fits
 /// into a page.
 ///
-/// `step` is told how many grids have been tried.
-///
 /// # Errors
 /// Returns [`Error::ManyCorners`] if the table has too many polygons, the errors of [`Grid::new`]
 /// for the first grid, and those of [`misfit`].
 pub(crate) fn grid(
     sheet: &Fitted<'_>,
     span: &Span,
-    step: &(dyn Fn(usize) + Sync),
+    progress: RenderProgress<'_>,
 ) -> Result<Found, Error> {
     let of = |paths: &Vec<Path>| paths.iter().map(|path| path.polygon.len()).sum();
     let exact = sheet.table.exact.iter();
@@ -90,19 +88,18 @@ pub(crate) fn grid(
         && sheet.result.kernel.has_lobe()
         && sharpness(sheet, span, first)? > SHARP * HIGHEST;
     let mut paths = match is_sharp {
-        true => of_paths([sheet, &sharpest], span)?,
+        true => of_paths([sheet, &sharpest], span, progress)?,
         false => None,
     };
     if let Some(found) = paths.take_if(|found| found.misfit.larger() <= WANTED) {
-        step(1);
         return Ok(found);
     }
-    let found = finest([sheet, &sharpest], span, step)?;
+    let found = finest([sheet, &sharpest], span, progress)?;
     if found.misfit.larger() <= WANTED || found.grid.gaps.is_some() || !shifts_rays(sheet) {
         return Ok(found);
     }
     let paths = match paths {
-        None if !is_sharp => of_paths([sheet, &sharpest], span)?,
+        None if !is_sharp => of_paths([sheet, &sharpest], span, progress)?,
         paths => paths,
     };
     let better = paths.filter(|paths| paths.misfit.larger() < found.misfit.larger());
@@ -111,12 +108,16 @@ pub(crate) fn grid(
 
 /// Computes the grid of the table's paths, for a sheet and for the sharpest one that the page
 /// spans; `None` if there is none.
-fn of_paths([sheet, sharpest]: [&Fitted<'_>; 2], span: &Span) -> Result<Option<Found>, Error> {
+fn of_paths(
+    [sheet, sharpest]: [&Fitted<'_>; 2],
+    span: &Span,
+    progress: RenderProgress<'_>,
+) -> Result<Option<Found>, Error> {
     let paths = Fineness {
         paths: true,
         ..Fineness::first(sheet)
     };
-    let grid = Grid::new(sheet, span, &paths)?;
+    let grid = Grid::new(sheet, span, &paths, progress)?;
     if grid.gaps.is_none() {
         return Ok(None);
     }
@@ -126,7 +127,7 @@ fn of_paths([sheet, sharpest]: [&Fitted<'_>; 2], span: &Span) -> Result<Option<F
             sheet: *sheet,
             grid: &grid,
         };
-        misfit(&mixed, &places)
+        misfit(&mixed, &places, progress)
     };
     let misfit = error(sheet)?.or(error(sharpest)?);
     Ok(Some(Found {
@@ -141,7 +142,7 @@ fn of_paths([sheet, sharpest]: [&Fitted<'_>; 2], span: &Span) -> Result<Option<F
 fn finest(
     [sheet, sharpest]: [&Fitted<'_>; 2],
     span: &Span,
-    step: &(dyn Fn(usize) + Sync),
+    progress: RenderProgress<'_>,
 ) -> Result<Found, Error> {
     let mut fineness = Fineness::first(sheet);
     if sheet.result.kernel == Kernel::Shift {
@@ -152,7 +153,7 @@ fn finest(
     let mut tried = 0;
     loop {
         tried += 1;
-        let grid = match Grid::new(sheet, span, &fineness) {
+        let grid = match Grid::new(sheet, span, &fineness, progress) {
             Ok(grid) => grid,
             Err(error @ Error::Large { .. }) => {
                 fineness = match coarser.take() {
@@ -175,11 +176,10 @@ fn finest(
                 sheet: *sheet,
                 grid: &grid,
             };
-            misfit(&mixed, places)
+            misfit(&mixed, places, progress)
         };
         let spread = spread(sheet, &grid, span);
         let found = error(sheet, &spread)?.or(error(sharpest, &spread)?);
-        step(tried);
         // Paths have no grid that could be finer.
         let last = tried >= MOST_GRIDS || grid.gaps.is_some();
         let enough = goal(sheet, found) <= WANTED || last;

@@ -6,7 +6,7 @@ pub(crate) mod exposure;
 mod file;
 pub mod mid_air;
 mod plane;
-mod progress;
+pub(crate) mod progress;
 pub mod render;
 mod sheet;
 pub mod shown;

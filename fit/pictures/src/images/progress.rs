@@ -1,8 +1,8 @@
-//! Progress of a render.
+//! Progress of renders, pages and comparisons.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Step of a render: the pieces of one kind of work that are done.
+/// Step of long work: the pieces of one kind of work that are done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RenderStep {
     /// Pieces of the work, in words.
@@ -13,7 +13,7 @@ pub struct RenderStep {
     pub of: usize,
 }
 
-/// Callback for the progress of a render, called from any thread.
+/// Callback for the progress, called from any thread.
 pub type RenderProgress<'a> = &'a (dyn Fn(RenderStep) + Sync);
 
 /// Callback that does nothing.
@@ -28,8 +28,9 @@ pub(crate) struct Pieces<'a> {
 }
 
 impl<'a> Pieces<'a> {
-    /// Returns a counter of `of` pieces, none of them done.
+    /// Returns a counter of `of` pieces, and reports that none of them is done.
     pub(crate) fn new(progress: RenderProgress<'a>, what: &'static str, of: usize) -> Pieces<'a> {
+        progress(RenderStep { what, done: 0, of });
         Pieces {
             progress,
             what,

@@ -57,9 +57,11 @@ pub fn uniform_psf(
     place: &Viewpoint,
     scale: &Scale,
     camera: Option<&Camera>,
+    progress: RenderProgress<'_>,
 ) -> Result<Psf, Error> {
     let camera = camera.map(|own| own.in_pixels(scale.pitch_mm));
-    Psf::seen(sheet, place, scale.pixels_from_mm(), camera.as_ref())
+    let pixels_from_mm = scale.pixels_from_mm();
+    Psf::seen(sheet, place, pixels_from_mm, camera.as_ref(), progress)
 }
 
 /// Renders a picture with one blur and one brightness for all pixels.

@@ -1,6 +1,7 @@
 //! Page with sliders: mixtures of directions against the sheet itself, for every kernel and lobe.
 
 use crate::explore::{Span, WANTED, grid, misfit_of};
+use crate::images::SILENT;
 use edges::names::{Kernel, LobeShape, Spectrum};
 use estimator::predict::{Fitted, Viewpoint};
 use estimator::result::{ByHand, Number, Parameter, ResultFile, Spread, TableResult};
@@ -83,7 +84,7 @@ fn mixtures_of_all_models_err_as_stated() {
         let start = std::time::Instant::now();
         let result = result(kernel, lobe, TableResult::of(&table));
         let sheet = Fitted::new(&result, &table).unwrap();
-        let found = grid(&sheet, &span, &|_| {}).unwrap();
+        let found = grid(&sheet, &span, SILENT).unwrap();
         let stated = found.misfit;
         assert!(stated.larger() <= WANTED, "{kernel:?} {lobe:?}: {stated:?}");
         assert_eq!(found.places, 400);

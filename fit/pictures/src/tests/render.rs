@@ -271,7 +271,7 @@ fn energy_is_kept_by_every_kernel() {
     ] {
         let result = result(kernel, lobe, &table);
         let sheet = Fitted::new(&result, &table).unwrap();
-        let psf = render::uniform_psf(&sheet, &place(150.0, 20.0), &scale, None).unwrap();
+        let psf = render::uniform_psf(&sheet, &place(150.0, 20.0), &scale, None, SILENT).unwrap();
         let energy = psf.energy.unwrap();
         let eta = table.direction(20.0, Some(20.0)).unwrap().retroreflected;
         assert!((energy - 0.25 * 0.25 * eta).abs() < 1e-12);

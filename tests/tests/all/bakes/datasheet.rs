@@ -90,6 +90,26 @@ fn two_cells_are_compared() {
     assert!((at(1) - 0.387).abs() < 5e-4 && at(1) > at(0));
     let ratio = pairs[0]["ratio"][4][0].as_f64().unwrap();
     assert!((ratio - at(1) / at(0)).abs() < 1e-12);
+    let conditions =
+        "azimuth 0\u{b0}, 300 mm from the sheet, 550 nm, corner size c 3 mm, kernel wave";
+    assert_eq!(text.matches(conditions).count(), 2, "{text}");
+    let mut ratios = 0;
+    for (s, pair) in pairs.iter().enumerate() {
+        for (i, own) in pair["mtf50_ratio"].as_array().unwrap().iter().enumerate() {
+            for axis in ["tangential", "sagittal"] {
+                let [first, second] = [0, 1].map(|cell| {
+                    let at = &found["cells"][cell]["tolerances"][2 * s + i];
+                    at["mtf50_per_mm"][axis].as_f64().unwrap()
+                });
+                let ratio = own[axis].as_f64().unwrap();
+                assert!((ratio - second / first).abs() < 1e-12, "{own}");
+                let line = format!("{first:.4} and {second:.4}, ratio {ratio:.4}");
+                assert!(text.contains(&line), "{line}\n{text}");
+                ratios += 1;
+            }
+        }
+    }
+    assert_eq!(ratios, 3 * 2 * 2);
 }
 
 /// Wrong words are refused before any work, and files that were there stay.

@@ -27,6 +27,23 @@ fn the_worked_goal_gives_a_front_and_a_mesh() {
     assert!(fs::read_to_string(here.join("front.svg")).unwrap() == picture);
     assert_eq!(charts::check::faults(&picture), Vec::<String>::new());
     assert!(found["front"].as_array().unwrap().len() > 10);
+    let designs = found["designs"].as_array().unwrap();
+    for (own, name) in designs.iter().zip(["canted", "full-cube"]) {
+        let own_front = |cell: &&Value| cell["cell"]["design"] == name;
+        let count = found["front"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(own_front)
+            .count();
+        assert!(own["design"] == name && own["on_front"] == count, "{own}");
+        let line = match count {
+            0 => format!("{name}: not on the front"),
+            _ => format!("{name}: {count} cells on the front"),
+        };
+        assert!(text.contains(&line), "{line}\n{text}");
+    }
+    assert_eq!(designs.len(), 2);
     assert!(found["best"]["lowest_mtf"].as_f64().unwrap() >= 0.05);
     assert_eq!(found["cells"], 2000);
 

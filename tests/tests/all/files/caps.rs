@@ -412,15 +412,57 @@ fn outputs_are_refused_before_the_work() {
         let line = format!("bake design triangular -o {output}");
         refused(here, &line, 1, what);
     };
-    design("none/x.obj", "its folder takes no file");
+    design(
+        "none/x.obj",
+        "error: none/x.obj: there is no folder none; make it",
+    );
     design(&long, "its folder takes no file");
     design("dead.obj", "is a link that leads nowhere");
     design_a_cell(here);
     let trace = "bake trace cell.obj -o";
     refused(here, &format!("{trace} -"), 1, "is no name of a file here");
-    refused(here, &format!("{trace} x.obj"), 1, "another kind of file");
+    refused(
+        here,
+        &format!("{trace} cell.obj/x.h5"),
+        1,
+        "not a directory)",
+    );
+    fs::create_dir(here.join("closed.obj")).unwrap();
+    refused(
+        here,
+        "bake trace closed.obj -o x.h5",
+        1,
+        "is a folder; name a mesh in it",
+    );
+    refused(
+        here,
+        "bake trace . -o x.h5",
+        1,
+        "is a folder; name a mesh in it",
+    );
+    fs::remove_dir(here.join("closed.obj")).unwrap();
+    for name in ["x.obj", "x.h6", "x.h5.txt"] {
+        refused(
+            here,
+            &format!("{trace} {name}"),
+            1,
+            "is no name of a table; let it end in .h5",
+        );
+    }
     let merge = "bake merge a.h5 b.h5 -o x.glb";
-    refused(here, merge, 1, "another kind of file");
+    refused(here, merge, 1, "is no name of a table");
+    // Every writer of both programs reserves its outputs in one way.
+    let place = "--sheet prism-0.1 --distance 300 --incidence 0";
+    for line in [
+        "bake trace cell.obj -o none/x.h5".into(),
+        "bake datasheet cell.obj -o none/x.html".into(),
+        format!("fit predict {place} --plot none/x.svg"),
+        format!("fit compare {place} -o none/x.csv"),
+        "fit explore --sheet prism-0.1 -o none/x.html".into(),
+    ] {
+        let said = ": there is no folder none; make it, or choose another output";
+        refused(here, &line, 1, said);
+    }
     let left: Vec<String> = fs::read_dir(here)
         .unwrap()
         .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())

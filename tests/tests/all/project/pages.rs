@@ -1,14 +1,13 @@
 //! Commands of the pages: those in blocks marked `sh` run as printed, in the order of the page, and
 //! print what the block marked `text` after them shows.
 
-use std::ffi::OsStr;
 use std::path::Path;
 use std::process::Command;
 
 use tempfile::TempDir;
 use tests::files::project;
 use tests::page::{blocks, missing};
-use tests::program::{python, run_by};
+use tests::program::{on_terminal, python, run};
 
 /// Pages whose commands are run, in this order, after README.md. They read files that it writes.
 const PAGES: [&str; 17] = [
@@ -31,9 +30,6 @@ const PAGES: [&str; 17] = [
     "fit/doc/baselines.md",
 ];
 
-/// Runs a command on a terminal: `fit mtf` shows its summary there only.
-const TERMINAL: &str = "import pty, sys; sys.exit(pty.spawn(sys.argv[1:]) >> 8)";
-
 /// Runs the commands of a page, and compares what they print with the page.
 ///
 /// Returns the numbers of commands and of lines that the page shows. The folder `here` has links to
@@ -50,11 +46,11 @@ fn run_page(page: &str, here: &Path) -> [usize; 2] {
                 run_python(page, here, arguments);
                 continue;
             }
-            let terminal = [python(), "-c".into(), TERMINAL.into()];
-            let terminal: Vec<&OsStr> = terminal.iter().map(AsRef::as_ref).collect();
-            let is_shown = program == "fit" && arguments[0] == "mtf";
-            let starter = if is_shown { &terminal[..] } else { &[] };
-            let run = run_by(starter, program, here, arguments);
+            // `fit mtf` shows its summary on a terminal only.
+            let run = match program == "fit" && arguments[0] == "mtf" {
+                true => on_terminal(program, here, arguments),
+                false => run(program, here, arguments),
+            };
             assert_eq!(run.code, Some(0), "{page}: {}\n{}", run.line, run.err);
             printed += &run.out;
         }

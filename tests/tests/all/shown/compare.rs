@@ -8,7 +8,7 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 use tests::browser::Browser;
 use tests::files::{argument, bake_table};
-use tests::program::fit;
+use tests::program::{fit, on_terminal};
 
 /// Runs `fit` and returns the JSON that it prints. Warnings are allowed.
 fn json(here: &Path, line: &str) -> Value {
@@ -127,11 +127,22 @@ fn numbers_are_those_of_predictions() {
 fn the_page_follows_its_menu_and_fits_a_screen() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let sheets = "--sheet prism-0.1 --sheet prism-0.2 --sheet hollow-0.2";
+    let names = ["prism-0.1", "prism-0.2", "hollow-0.2", "published"];
+    let names: Vec<&str> = names.into_iter().cycle().take(6).collect();
+    let sheets = names.iter().map(|name| format!("--sheet {name} "));
+    let sheets: String = sheets.collect();
     let sign = argument("doc/sign.png");
     let line = format!("compare {sheets} {PLACE} {LIGHT} --source {sign} --width 100 -o p.html");
     let run = fit(here, &line);
     assert_eq!((run.code, run.out.as_str()), (Some(0), ""), "{}", run.err);
+    // A slow machine writes lines of progress too.
+    let said = run.err.lines().filter(|line| line.starts_with("warning"));
+    let said: Vec<&str> = said.collect();
+    let expected = format!("warning: {} are no measured sheets", names.join(", "));
+    assert!(
+        said.len() == 1 && said[0].starts_with(&expected),
+        "{said:?}"
+    );
     let page = fs::read_to_string(here.join("p.html")).unwrap();
     assert_eq!(charts::check::faults(&page), [""; 0]);
     let options = roxmltree::ParsingOptions {
@@ -142,7 +153,10 @@ fn the_page_follows_its_menu_and_fits_a_screen() {
     for word in ["<script", "http:", "https:", "url("] {
         assert!(!page.contains(word), "{word}");
     }
-    assert_eq!(page.matches("data:image/png").count(), 2 * (1 + 3));
+    assert_eq!(page.matches("data:image/png").count(), 2 * (1 + 6));
+    let (open, folded) = page.split_once("<details").unwrap();
+    assert!(open.contains("times as bright as they are"));
+    assert!(folded.contains("US patent 6,843,571"), "what is assumed");
     let Some(browser) = Browser::find() else {
         return;
     };
@@ -165,17 +179,18 @@ fn the_page_follows_its_menu_and_fits_a_screen() {
         };
         assert_eq!(found["wide"], serde_json::json!([]), "{width}");
         // Menu: all sheets at the first incidence; without the second sheet; at the other incidence.
-        assert_eq!(found["columns"], serde_json::json!([3, 2, 2]), "{found}");
+        assert_eq!(found["columns"], serde_json::json!([6, 5, 5]), "{found}");
         assert_eq!(
             found["incidences"],
             serde_json::json!(["Incidence 0\u{b0}", "Incidence 20\u{b0}"])
         );
-        assert_eq!(found["curves"], serde_json::json!([6, 4]), "{found}");
+        assert_eq!(found["curves"], serde_json::json!([12, 10]), "{found}");
         assert_eq!(number("broken"), 0.0);
         // WCAG 2.2, 1.4.3 (AA).
         assert!(number("least_contrast") >= 4.5, "{found}");
         if width == 1280 {
             assert!(number("height") <= 1000.0, "one screen: {found}");
+            assert_eq!(number("beyond"), 0.0, "columns beyond the screen: {found}");
         }
     }
     let paper = browser.print(&here.join("p.html"), &here.join("p.pdf"));
@@ -183,6 +198,40 @@ fn the_page_follows_its_menu_and_fits_a_screen() {
         .matches("/Type /Page\n")
         .count();
     assert!((1..=2).contains(&pages), "{pages} pages");
+}
+
+/// On a terminal, the long loops of pictures and pages show what is done of how much, and the rate.
+/// Nothing of it goes to a pipe.
+#[test]
+fn long_work_shows_its_progress() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let sign = argument("doc/sign.png");
+    let sheet = "--sheet prism-0.1 --distance 300 --incidence 20";
+    let picture = format!("{sheet} --source {sign} --width 100");
+    let near = "--sheet prism-0.1 --nearest 900 --farthest 1000";
+    let cases = [
+        (
+            format!("compare {picture} -o p.html"),
+            &["52 directions", "1 pictures"][..],
+        ),
+        (format!("render {picture} -o p.png"), &["rows of the blur"]),
+        (
+            format!("explore {near} -o e.html"),
+            &["directions of a grid", "200 places between them"],
+        ),
+    ];
+    for (line, expected) in cases {
+        let shown = on_terminal("fit", here, &line);
+        assert_eq!(shown.code, Some(0), "{line}\n{}", shown.out);
+        for words in expected {
+            let is_bar = |part: &str| part.contains(words) && part.contains("left");
+            assert!(shown.out.split('\r').any(is_bar), "{words}: {}", shown.out);
+        }
+        let piped = fit(here, &line);
+        let piped = piped.err + &piped.out;
+        assert!(!piped.contains(" left"), "{piped}");
+    }
 }
 
 #[test]

@@ -11,6 +11,8 @@ addEventListener("load", () => {
   const wide = all("body *")
     .filter((e) => !e.closest(".scroll, svg") && box(e).right > innerWidth + 0.5)
     .map((e) => `${e.tagName}.${e.className}`);
+  const scrolled = all(".scroll").filter(seen);
+  const beyond = Math.max(...scrolled.map((e) => e.scrollWidth - e.clientWidth));
   const parts = (colour) => colour.match(/[\d.]+/g).map(Number);
   const luminance = (colour) => {
     const [r, g, b] = parts(colour).map((v) => {
@@ -37,6 +39,7 @@ addEventListener("load", () => {
     JSON.stringify({
       wide,
       height,
+      beyond,
       broken,
       least_contrast: Math.min(...texts.map(contrast)),
       columns: [first.columns, second.columns, third.columns],

@@ -229,9 +229,9 @@ fn a_given_result_adds_its_information() {
     }
     // The errors of the result alone are its own, relative to its values.
     let c = result.c_mm.expect("the kernel has a corner size");
-    let own = c.standard_error.expect("a number") / c.value.expect("a number");
+    let own_error = c.standard_error.expect("a number") / c.value.expect("a number");
     let now = twice.now.expect("a result is given")[0].middle;
-    assert!((now.expect("c is known") / own - 1.0).abs() < 1e-9);
+    assert!((now.expect("c is known") / own_error - 1.0).abs() < 1e-9);
     // A plan that believes otherwise follows the result, and says where the result lies outside.
     let mut follower = asked.clone();
     follower.beliefs.lobe = LobeShape::Separable;
@@ -241,6 +241,36 @@ fn a_given_result_adds_its_information() {
     assert_eq!(follower.follow(&result).len(), 1);
     follower.beliefs.c_mm = asked.beliefs.c_mm;
     assert_eq!(follower, asked);
+    // Without beliefs, the plan believes the result within two standard errors of the logarithm.
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("plan.toml");
+    let text = "photographs = 4\n[choices]\nfloating_distance_mm = [100]\nincidence_deg = [0]\n\
+        azimuth_deg = [20]\n";
+    std::fs::write(&file, text).expect("a file");
+    let refused = Plan::load(&file, None).expect_err("no beliefs");
+    assert!(refused.to_string().contains("--given"), "{refused}");
+    let believed = Plan::load(&file, Some(&result))
+        .expect("the result")
+        .beliefs;
+    assert_eq!(
+        (believed.kernel, believed.lobe),
+        (Kernel::Eq1, LobeShape::Radial)
+    );
+    let value = c.value.expect("a number");
+    let [least, most] = believed
+        .c_mm
+        .expect("a range")
+        .map(|own| (own / value).ln() / own_error);
+    assert!(
+        (least + 2.0).abs() < 1e-6 && (most - 2.0).abs() < 1e-6,
+        "{least} {most}"
+    );
+    let poorer = ResultFile {
+        mu: None,
+        ..result.clone()
+    };
+    let refused = Plan::load(&file, Some(&poorer)).expect_err("no mu");
+    assert!(refused.to_string().contains("has no mu"), "{refused}");
     let other = Plan {
         beliefs: Beliefs::certain(Kernel::Angular, C_MM, 500.0, MU),
         minimise: vec![ParameterKind::CornerSize],
@@ -260,7 +290,7 @@ fn wrong_plans_are_refused() {
     let file = folder.path().join("plan.toml");
     let load = |text: &str| {
         std::fs::write(&file, text).expect("a file");
-        Plan::load(&file)
+        Plan::load(&file, None)
     };
     assert!(load(right).is_ok());
     let cases = [

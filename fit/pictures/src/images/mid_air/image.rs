@@ -119,7 +119,7 @@ pub(super) fn from_afar(
 ) -> Result<Rendered, Error> {
     Ok(match method.forward {
         Forward::Spectral => in_colours(source, sheet, &|source, sheet| {
-            let psf = render::uniform_psf(sheet, &place, scale, method.camera)?;
+            let psf = render::uniform_psf(sheet, &place, scale, method.camera, method.progress)?;
             let image = render::uniform(source, &psf, method.progress);
             Ok(Rendered::by_transforms(image, vec![place], &[psf]))
         })?,

@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use transforms::Real;
 
 use crate::error::Error;
+use crate::images::progress::{Pieces, RenderProgress, SILENT};
 use crate::images::render::camera::Camera;
 use crate::images::spot::{Sheet, Viewpoint};
 use edges::numerics::sinc;
@@ -68,7 +69,7 @@ impl Psf {
         place: &Viewpoint,
         pixels_from_mm: [[f64; 2]; 2],
     ) -> Result<Psf, Error> {
-        Psf::seen(sheet, place, pixels_from_mm, None)
+        Psf::seen(sheet, place, pixels_from_mm, None, SILENT)
     }
 
     /// Computes the weights at one place behind a camera, whose lengths are in pixels.
@@ -80,6 +81,7 @@ impl Psf {
         place: &Viewpoint,
         pixels_from_mm: [[f64; 2]; 2],
         camera: Option<&Camera>,
+        progress: RenderProgress<'_>,
     ) -> Result<Psf, Error> {
         let [[a, b], [c, d]] = pixels_from_mm;
         // A pixel of the image averages over its square, or over that of the camera's pixel.
@@ -128,7 +130,7 @@ impl Psf {
             }
             return Ok(Psf {
                 reach: size.map(|size| size / 2),
-                weights: weights(&otf, &squares, size, half),
+                weights: weights(&otf, &squares, size, half, progress),
                 energy,
                 error,
                 interpolated: spot.interpolated(),
@@ -178,6 +180,7 @@ fn weights(
     squares: &(impl Fn(f64) -> f64 + Sync),
     size: [usize; 2],
     half: usize,
+    progress: RenderProgress<'_>,
 ) -> Vec<f32> {
     let [width, height] = size;
     let columns = width / 2 + 1;
@@ -193,6 +196,7 @@ fn weights(
             .collect()
     };
     let across: Vec<_> = (0..columns).map(|k| alike(k, width)).collect();
+    let pieces = Pieces::new(progress, "rows of the blur", height);
     let mut rows: Vec<Vec<Complex64>> = (0..height)
         .into_par_iter()
         .map(|row| {
@@ -206,7 +210,9 @@ fn weights(
                 }
                 sum
             };
-            across.iter().map(at).collect()
+            let own = across.iter().map(at).collect();
+            pieces.one();
+            own
         })
         .collect();
     // Inverse transform: columns, then rows.

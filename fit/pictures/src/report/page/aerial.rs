@@ -50,7 +50,7 @@ pub(crate) fn figures(page: &Page) -> Option<String> {
         seen_in_mirror: false,
     };
     let source = source()?;
-    let psf = uniform_psf(&sheet, &place, &scale, None).ok()?;
+    let psf = uniform_psf(&sheet, &place, &scale, None, SILENT).ok()?;
     let mut image = uniform(&source, &psf, SILENT);
     if image.peak_luminance() <= 0.0 {
         return None;

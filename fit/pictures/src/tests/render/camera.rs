@@ -1,6 +1,7 @@
 //! Tests of images that a camera photographs.
 
 use super::{PIXELS, Squares, place};
+use crate::images::SILENT;
 use crate::images::render::camera::Camera;
 use crate::images::render::psf::Psf;
 use estimator::result::CameraResult;
@@ -59,7 +60,7 @@ fn pixel_and_lens_of_a_camera_meet_their_integrals() {
     for (spot, pixel, sigma) in [(2.5, 1.0, 0.4), (2.5, 3.0, 0.4), (1.0, 0.5, 0.9)] {
         let own = camera(pixel, Some(blur(sigma)), json!([]));
         // A pixel of the image is 1 mm wide.
-        let psf = Psf::seen(&Squares, &place(spot, 0.0), PIXELS, own.as_ref()).unwrap();
+        let psf = Psf::seen(&Squares, &place(spot, 0.0), PIXELS, own.as_ref(), SILENT).unwrap();
         assert!(psf.error < 1e-3, "{}", psf.error);
         cases += compare(&psf, spot, pixel, [sigma; 2], psf.error + 3e-5);
     }
@@ -94,7 +95,7 @@ fn tables_of_the_lens_along_two_axes_meet_an_elliptic_gaussian() {
         .to_vec();
     let of = |lens: Value| camera(pixel, Some(blur(sigma[0])), lens);
     let own = of(json!(lens));
-    let psf = Psf::seen(&Squares, &place(2.5, 0.0), PIXELS, own.as_ref()).unwrap();
+    let psf = Psf::seen(&Squares, &place(2.5, 0.0), PIXELS, own.as_ref(), SILENT).unwrap();
     let cases = compare(&psf, 2.5, pixel, sigma, psf.error + 3e-5 + 1e-5);
     println!("{cases} weights");
     assert!(psf.error < 1e-3 && cases > 300, "{} {cases}", psf.error);

@@ -125,7 +125,7 @@ fn pictures_are_those_of_the_tracer() {
             tangential_axis_deg: AXIS_DEG,
             seen_in_mirror,
         };
-        let psf = render::uniform_psf(&sheet, &place, &scale, None).unwrap();
+        let psf = render::uniform_psf(&sheet, &place, &scale, None, SILENT).unwrap();
         render::uniform(&source, &psf, SILENT)
     };
     let viewed = |seen_in_mirror| {

@@ -66,7 +66,7 @@ fn samples_meet_the_transforms_within_their_error() {
         let result = result(kernel, lobe, &table);
         let sheet = Fitted::new(&result, &table).unwrap();
         let place = place(150.0, 20.0);
-        let psf = render::uniform_psf(&sheet, &place, &scale, None).unwrap();
+        let psf = render::uniform_psf(&sheet, &place, &scale, None, SILENT).unwrap();
         for source in [&point, &picture(width, height, 8)] {
             let spectral = render::uniform(source, &psf, SILENT);
             for sequence in [Sequence::Sobol, Sequence::Independent] {
