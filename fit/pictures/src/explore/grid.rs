@@ -125,7 +125,7 @@ impl Grid {
         }
         let unit = UnitSheet::of(result);
         let rays = unit.rays();
-        let pieces = Pieces::new(progress, "directions of a grid", places);
+        let pieces = Pieces::new(progress, "directions", places);
         let nodes: Vec<(f64, Transforms)> = (0..places)
             .into_par_iter()
             .map(|place| {

@@ -367,7 +367,7 @@ pub(crate) fn misfit(
     if brightest <= 0.0 {
         return Ok(Misfit::default());
     }
-    let pieces = Pieces::new(progress, "places between them", places.len());
+    let pieces = Pieces::new(progress, "places", places.len());
     let all = places.par_iter().map(|place| {
         let own = misfit_at(mixed, place, brightest);
         pieces.one();

@@ -196,7 +196,7 @@ fn weights(
             .collect()
     };
     let across: Vec<_> = (0..columns).map(|k| alike(k, width)).collect();
-    let pieces = Pieces::new(progress, "rows of the blur", height);
+    let pieces = Pieces::new(progress, "rows", height);
     let mut rows: Vec<Vec<Complex64>> = (0..height)
         .into_par_iter()
         .map(|row| {
