@@ -50,7 +50,7 @@ fn the_verb_writes_what_it_measures() {
         ("--longest -1", 2, ": give a number of seconds"),
         ("--target 0", 2, ": give a number above 0"),
         ("--plot study.png", 2, ": the extension must be .svg"),
-        ("--csv no/study.csv", 1, ": cannot be written"),
+        ("--csv no/study.csv", 1, ": there is no folder no"),
     ] {
         let value = options.split(' ').next_back().expect("a value");
         let sentence = format!("{value}{sentence}");

@@ -452,7 +452,10 @@ fn a_page_replaces_no_input_and_no_other_output() {
     for (other, remedy) in [
         (manifest.as_str(), "write to another file"),
         ("same", "give each a file of its own"),
-        ("no/such/folder/r.html", "make the folder"),
+        (
+            "no/such/folder/r.html",
+            "there is no folder no/such/folder; make it",
+        ),
     ] {
         let files = format!("estimate {manifest} --table {table} -o same --report {other}");
         let run = fit(here, &files);
