@@ -4,7 +4,7 @@
 
 .SUFFIXES:
 .NOTPARALLEL:
-.PHONY: all build install demo manual deny msrv table1 wheel bench-report fmt lint doc bench \
+.PHONY: all build install demo manual deny msrv table1 wheel bench-report check fmt lint doc bench \
 	tools python rust clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx \
 	test-colour test-metrics test-python test-fuzz beside-mitsuba example-mitsuba
 
@@ -81,10 +81,10 @@ venv = { "$(VENV)/bin/python" -m pip --version >/dev/null 2>&1 || \
 	exit 1; }; }
 pip = "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-# ---- Tests. clippy and doc share the metadata of the dependencies, clippy and test their build
-# scripts.
+# ---- Tests. What only those need who change the code stands in `check`: lints and documentation
+# compile everything anew, which would be a quarter of `make test`.
 
-test: fmt lint doc python
+test: tools python
 	@echo "== tests" >&2
 	@rm -f "$(SKIPPED)"
 	@AIRR_SKIPPED="$(SKIPPED)" AIRR_PYTHON="$(VENV)/bin/python" \
@@ -106,7 +106,7 @@ parts:
 	@echo $(PARTS)
 
 # What takes minutes or wants more than a fresh machine has. Each is one command.
-test-full: test $(PARTS) test-lean test-mpi test-raw test-mitsuba test-materialx test-colour test-metrics \
+test-full: check test $(PARTS) test-lean test-mpi test-raw test-mitsuba test-materialx test-colour test-metrics \
 	test-python test-fuzz
 
 # With midair, whose macros want other features: nothing is compiled anew.
@@ -254,6 +254,9 @@ test-python: wheel
 		env -i bin/bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 \
 			--azimuth 30 && \
 		env -i bin/fit estimate $(CURDIR)/$(CAMPAIGN)/captures.toml --table pair.h5 -o result.json
+
+# clippy and doc share the metadata of the dependencies.
+check: fmt lint doc
 
 fmt: rust
 	@echo "== format" >&2
