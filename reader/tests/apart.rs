@@ -24,6 +24,9 @@ fn the_reader_reads_what_the_library_reads() {
     for (kind, table) in &kinds {
         write(table, &file).unwrap();
         assert_eq!(read(&file).unwrap(), *table, "{kind}");
+        let bytes = std::fs::read(&file).unwrap();
+        let from_memory = tables::read_in_memory(&bytes, Path::new(kind));
+        assert_eq!(from_memory.unwrap(), *table, "{kind}, from memory");
     }
     // A name that leads nowhere is refused before the reader starts, other bytes by the reader.
     let none = read(&folder.path().join("none.h5")).unwrap_err();

@@ -2,17 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-/// Remedy for a table whose numbers or attributes contradict one another.
-pub(crate) const BAKE_AGAIN: &str = "bake the table again";
-
-/// Remedy for a name that belongs to no table.
-pub(crate) const NAME_A_TABLE: &str = "name a table written by `bake trace`";
-
 /// Remedy for a table that is too large.
 pub(crate) const BAKE_LESS: &str = "bake fewer directions or bins";
-
-/// Remedy for a file whose bytes have changed.
-pub(crate) const COPY_AGAIN: &str = "copy it again or bake it again";
 
 /// Reason why a table could not be read, written, merged or looked up, or a result not be printed.
 ///
@@ -81,14 +72,5 @@ impl Error {
             fault: fault.to_string(),
             remedy,
         }
-    }
-
-    /// Makes the error of a file of which the HDF5 library cannot read or write `place`.
-    pub(crate) fn hdf5(file: &Path, place: &str, error: &hdf5::Error) -> Error {
-        Error::file(
-            file,
-            format!("{place} cannot be read or written ({error})"),
-            "the file is cut short or damaged, copy it again or bake it again",
-        )
     }
 }

@@ -31,6 +31,8 @@
 pub mod cli;
 mod error;
 mod file;
+#[cfg(feature = "hdf5")]
+mod library;
 mod lookup;
 mod merge;
 pub mod options;
@@ -61,9 +63,14 @@ pub use otf::shift::ShiftLine;
 pub use otf::wave::{NoWaves, WaveLine};
 // Tables put together, and files:
 pub use file::apart;
-pub use file::layout::VERSION;
-pub use file::output::{Output, Outputs, commit, write};
+pub use file::output::{Output, Outputs};
 pub use file::partial::scratch_folder;
-pub use file::read::{is_sealed, read, read_in_memory};
+pub use file::read::{read, read_in_memory};
 pub use file::reader;
+#[cfg(feature = "hdf5")]
+pub use library::layout::VERSION;
+#[cfg(feature = "hdf5")]
+pub use library::read::is_sealed;
+#[cfg(feature = "hdf5")]
+pub use library::write::{commit, write};
 pub use merge::merge::merge;

@@ -8,6 +8,7 @@
 //! hashed. The content is read here without the library. If the reader crashes, this program
 //! returns an error.
 
+use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -17,8 +18,8 @@ use std::thread;
 use std::time::Duration;
 
 use crate::error::Error;
-use crate::file::read::{in_this_process, opened};
-use crate::file::reader::{OTHER_VERSION, Protection, TABLE, VERSION};
+use crate::file::read::opened;
+use crate::file::reader::{OTHER_VERSION, Protection, REFUSAL, TABLE, VERSION};
 use crate::file::{limits, received};
 use crate::table::table::Table;
 
@@ -37,16 +38,21 @@ static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
 /// Makes [`crate::read()`] use the reader that stands beside this program.
 ///
 /// Call it first in `main`. Without this call tables are read in the process itself, under the same
-/// checks. If there are variables `HDF5_...` in the environment, which can make the HDF5 library
+/// checks, if this crate has its feature `hdf5`. If there are variables `HDF5_...` in the environment, which can make the HDF5 library
 /// load code, this program starts again without them.
 pub fn start() {
     without_variables();
+    start_with(beside());
+}
+
+/// Returns the path of the reader beside this program.
+fn beside() -> PathBuf {
     let folder = std::env::current_exe().ok().and_then(|program| {
         let folder = program.parent()?;
         Some(folder.to_owned())
     });
     let name = format!("{READER}{}", std::env::consts::EXE_SUFFIX);
-    start_with(folder.unwrap_or_default().join(name));
+    folder.unwrap_or_default().join(name)
 }
 
 /// Makes [`crate::read()`] use this reader, for programs that do not stand beside it.
@@ -97,18 +103,33 @@ pub struct Reading {
 /// # Errors
 /// Returns the errors of [`crate::read()`].
 pub fn read(path: &Path) -> Result<Reading, Error> {
-    match PROGRAM.get() {
-        Some(program) => ask(path, program),
-        None => Ok(Reading {
-            table: in_this_process(path)?,
-            lacking: Protection::ALL.to_vec(),
-        }),
-    }
+    let (file, bytes) = opened(path)?;
+    read_file(file, bytes, path)
+}
+
+/// Reads a table of `bytes` bytes from an open file; `name` is for messages.
+///
+/// # Errors
+/// Returns the errors of [`read`].
+pub(crate) fn read_file(file: File, bytes: u64, name: &Path) -> Result<Reading, Error> {
+    let program = match PROGRAM.get() {
+        Some(program) => program,
+        #[cfg(feature = "hdf5")]
+        None => {
+            let content = crate::library::read::content(file, bytes, name)?;
+            return Ok(Reading {
+                table: crate::library::read::table(content, name)?,
+                lacking: Protection::ALL.to_vec(),
+            });
+        }
+        #[cfg(not(feature = "hdf5"))]
+        None => PROGRAM.get_or_init(beside),
+    };
+    ask(file, bytes, name, program)
 }
 
 /// Starts the reader, reads its answer and waits for its end.
-fn ask(path: &Path, program: &Path) -> Result<Reading, Error> {
-    let (file, bytes) = opened(path)?;
+fn ask(file: File, bytes: u64, path: &Path, program: &Path) -> Result<Reading, Error> {
     let failed = |what: String| {
         let fault = format!("the process that reads it with the HDF5 library {what}");
         let remedy = "the file is damaged or was made to do harm, copy it again or bake it again";
@@ -223,10 +244,11 @@ fn listen(mut from: BufReader<impl Read>) -> io::Result<Answer> {
     let mut words = Vec::new();
     from.take(MOST_WORDS).read_to_end(&mut words)?;
     let words = String::from_utf8_lossy(&words).into_owned();
-    Ok(match kind {
-        OTHER_VERSION => Answer::Version(words),
-        _ => Answer::Refusal(words),
-    })
+    match kind {
+        OTHER_VERSION => Ok(Answer::Version(words)),
+        REFUSAL => Ok(Answer::Refusal(words)),
+        _ => Err(io::Error::other(format!("its first byte is {kind}"))),
+    }
 }
 
 /// Returns the end of a process in words.

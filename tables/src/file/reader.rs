@@ -1,14 +1,13 @@
-//! Side of the program that reads tables for others: limits before, an answer after.
+//! What the program that reads tables and those that ask it share: first bytes of answers, and
+//! protections.
 //!
 //! `airr-reader` uses it, and nothing else should. [`crate::apart`] is the other side.
 //!
 //! The answer is one byte that says what it is, one byte of the protections that are missing, and
 //! then the table (the items of its content hash) or the refusal in words.
 
-use std::io::{self, BufWriter, Read, Write};
-use std::path::Path;
-
-use crate::file::{limits, read};
+#[cfg(feature = "hdf5")]
+pub use crate::library::answer::{answer, answer_other_version, begin};
 
 /// Version of this crate, which both programs must share.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -46,7 +45,7 @@ impl Protection {
     }
 
     /// Returns the bit of the protection in an answer.
-    fn bit(self) -> u8 {
+    pub(crate) fn bit(self) -> u8 {
         1 << self as u8
     }
 
@@ -56,58 +55,4 @@ impl Protection {
         found.retain(|one| bits & one.bit() != 0);
         found
     }
-}
-
-/// Makes this a process that only reads a table of this length, under hard limits.
-///
-/// Returns whether the system took them.
-#[must_use]
-pub fn begin(file_bytes: u64) -> bool {
-    limits::begin(file_bytes)
-}
-
-/// Reads a table of `file_bytes` bytes and writes it, or the refusal, to `out`.
-///
-/// `name` is for messages. `lacking` are the protections that the system did not give.
-///
-/// # Errors
-/// Returns the error of writing to `out`.
-pub fn answer(
-    name: &Path,
-    from: impl Read,
-    file_bytes: u64,
-    lacking: &[Protection],
-    out: impl Write,
-) -> io::Result<()> {
-    let missing = lacking.iter().fold(0, |bits, one| bits | one.bit());
-    let content = read::content(from, file_bytes, name);
-    let table = content.and_then(|content| read::table(content, name));
-    let mut out = BufWriter::with_capacity(1 << 16, out);
-    match table {
-        Ok(table) => {
-            out.write_all(&[TABLE, missing])?;
-            let mut sent = Ok(());
-            table.content(&mut |bytes| {
-                if sent.is_ok() {
-                    sent = out.write_all(bytes);
-                }
-            });
-            sent?;
-        }
-        Err(error) => {
-            out.write_all(&[REFUSAL, missing])?;
-            write!(out, "{error}")?;
-        }
-    }
-    out.flush()
-}
-
-/// Answers a program of another version.
-///
-/// # Errors
-/// Returns the error of writing to `out`.
-pub fn answer_other_version(mut out: impl Write) -> io::Result<()> {
-    out.write_all(&[OTHER_VERSION, 0])?;
-    write!(out, "{VERSION}")?;
-    out.flush()
 }

@@ -8,7 +8,7 @@ use std::io::{self, BufRead, Read};
 
 use ndarray::{Array, Array2, Dimension, ShapeError};
 
-use crate::file::layout::MOST_BYTES;
+use crate::file::limits::MOST_BYTES;
 use crate::options::{StatedOptions, Word};
 use crate::table::axes::Axes;
 use crate::table::check;
@@ -254,9 +254,11 @@ fn exact(items: &mut ItemReader<impl BufRead>, directions: usize) -> io::Result<
     {
         return Err(wrong("paths of different numbers"));
     }
-    let paths = flat
-        .paths(directions)
-        .map_err(|misfit| wrong(&format!("{misfit:?}")))?;
+    let paths = flat.paths(directions).map_err(|misfit| {
+        let (array, k) = (misfit.array, misfit.index);
+        let (found, expected) = (misfit.found, misfit.expected);
+        wrong(&format!("{array}[{k}] is {found}, not {expected}"))
+    })?;
     Ok(Some(Exact {
         entrance_area,
         paths,

@@ -1,9 +1,10 @@
 //! The lean fitter, which is `fit` built with `--no-default-features`.
 //!
-//! It has photographs, model, estimate, result and prediction. It has no code that draws, compares
-//! pictures or needs a C++ compiler.
+//! It has photographs, model, estimate, result and prediction. It has no code that draws, and no
+//! HDF5: `airr-reader` opens tables for it.
 
 use std::collections::BTreeSet;
+use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
@@ -13,6 +14,9 @@ use tests::files::{argument, bake_table, project};
 /// Crates that only the default features need: for plots, pictures as text, and
 /// progress bars.
 const FEATURES_BRING: [&str; 3] = ["charts", "base64", "indicatif"];
+
+/// Crates that `bake` and `airr-reader` need to open tables, and no `fit`.
+const OPEN_TABLES: [&str; 3] = ["hdf5-metno", "hdf5-metno-sys", "hdf5-metno-src"];
 
 fn cargo(line: &str) -> Command {
     let mut command = Command::new(env!("CARGO"));
@@ -73,7 +77,7 @@ fn one_crate_alone_has_the_features_of_the_workspace() {
 }
 
 #[test]
-fn the_lean_tree_has_no_crate_that_draws_and_no_cpp() {
+fn the_lean_tree_has_no_crate_that_draws_and_no_hdf5() {
     let lean = crates("--no-default-features", "normal,build");
     let full = crates("", "normal,build");
     let has = |tree: &BTreeSet<String>, name: &str| {
@@ -82,6 +86,11 @@ fn the_lean_tree_has_no_crate_that_draws_and_no_cpp() {
     for name in FEATURES_BRING {
         assert!(has(&full, name), "{name} is gone: take it from this list");
         assert!(!has(&lean, name), "the lean fitter brings {name}");
+    }
+    let bake: BTreeSet<String> = tree("-p bake --edges normal,build");
+    for name in OPEN_TABLES {
+        assert!(has(&bake, name), "{name} is gone: take it from this list");
+        assert!(!has(&full, name), "fit brings {name}");
     }
     assert!(lean.is_subset(&full));
     println!(
@@ -107,8 +116,12 @@ fn built() -> (PathBuf, f64) {
         .status()
         .expect("cargo runs");
     assert!(status.success());
+    let seconds = started.elapsed().as_secs_f64();
     let program = target.join("release").join("fit");
-    (program, started.elapsed().as_secs_f64())
+    // Tables are opened by a program that stands beside it.
+    let reader = tests::program::fresh("airr-reader");
+    symlink(reader, program.with_file_name("airr-reader")).expect("a link");
+    (program, seconds)
 }
 
 /// Runs a program and returns its exit code, and its standard output followed by standard error.
@@ -125,22 +138,6 @@ fn run(program: &Path, folder: &Path, line: &str) -> (Option<i32>, String) {
     )
 }
 
-const PARAMETERS: &str = "seed = 7
-[camera]
-width = 192
-height = 128
-[truth]
-kernel = \"eq1\"
-refractive_index = 1.49
-a = 4.0
-c = 0.24
-mu = 0.5
-[[capture]]
-floating_distance_mm = 150.0
-incidence_deg = 20.0
-azimuth_deg = 30.0
-";
-
 #[test]
 #[ignore = "builds the lean program from nothing, which takes minutes: `make test-lean`"]
 fn the_lean_program_does_its_verbs() {
@@ -155,19 +152,10 @@ fn the_lean_program_does_its_verbs() {
     let table = bake_table(here, "triangular-pair", "0:45:5", "30");
     let manifest = argument("tests/captures/public_per_angle/captures.toml");
     let photograph = argument("tests/captures/public_per_angle/source.exr");
-    std::fs::write(here.join("params.toml"), PARAMETERS).unwrap();
-    std::fs::write(
-        here.join("ranges.toml"),
-        "photographs = { from = 3, to = 4 }\n",
-    )
-    .unwrap();
     for line in [
-        "simulate params.toml -o campaign",
         &format!("estimate {manifest} --table {table} -o result.json"),
         &format!("mtf {photograph} -o mtf.csv"),
         &format!("predict result.json --table {table} --distance 150 --incidence 20 --json"),
-        &format!("study --ranges ranges.toml --table {table} --campaigns 2"),
-        &format!("export result.json --table {table} --to gltf --distance 150 -o a.gltf"),
     ] {
         let (code, said) = run(&program, here, line);
         assert_eq!(code, Some(0), "fit {line}\n{said}");
@@ -175,9 +163,11 @@ fn the_lean_program_does_its_verbs() {
     // The lean program does not offer missing verbs and options. To ask for one is wrong usage.
     for line in [
         "render",
+        "simulate",
+        "study",
+        "export",
         &format!("estimate {manifest} --table {table} --plot a.svg"),
         &format!("estimate {manifest} --table {table} --report a.html"),
-        &format!("study {manifest} --table {table} --plot a.svg"),
     ] {
         let (code, said) = run(&program, here, line);
         assert_eq!(code, Some(2), "fit {line}\n{said}");
@@ -186,7 +176,7 @@ fn the_lean_program_does_its_verbs() {
             "{said}"
         );
     }
-    for verb in ["estimate", "mtf", "predict", "study"] {
+    for verb in ["estimate", "mtf", "predict"] {
         let (_, help) = run(&program, here, &format!("{verb} --help"));
         for option in ["--plot", "--report", "--against"] {
             assert!(!help.contains(option), "fit {verb} --help names {option}");

@@ -3,10 +3,10 @@
 use hdf5::{File, Result};
 
 use crate::error::Error;
-use crate::file::layout::flat::Flat;
-use crate::file::layout::names::deviation;
-use crate::file::layout::place::Place;
-use crate::file::layout::store::put;
+use crate::library::layout::flat::Flat;
+use crate::library::layout::names::deviation;
+use crate::library::layout::place::Place;
+use crate::library::layout::store::put;
 use crate::table::deviation::{Deviations, Grid};
 use crate::table::flat::FlatEntries;
 

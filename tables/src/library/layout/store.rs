@@ -1,10 +1,10 @@
 //! Writing of a table as HDF5 objects.
 
-use crate::file::layout::deviations;
-use crate::file::layout::flat::Flat;
-use crate::file::layout::names::{self, DimensionScale, Variable, attribute, exact};
-use crate::file::library::{load_no_code, unused_name};
-use crate::file::scales::{attach_scale, set_scale};
+use crate::library::layout::deviations;
+use crate::library::layout::flat::Flat;
+use crate::library::layout::names::{self, DimensionScale, Variable, attribute, exact};
+use crate::library::memory::{load_no_code, unused_name};
+use crate::library::scales::{attach_scale, set_scale};
 use crate::options::Front;
 use crate::table::exact::Exact;
 use crate::table::fate::Fate;

@@ -3,9 +3,9 @@
 use hdf5::{Dataset, Group, H5Type, Result};
 use ndarray::ArrayViewD;
 
-use crate::file::layout::names::Dimension;
-use crate::file::layout::store::dataset;
-use crate::file::scales::{attach_scale, set_scale};
+use crate::library::layout::names::Dimension;
+use crate::library::layout::store::dataset;
+use crate::library::scales::{attach_scale, set_scale};
 
 /// Name by which netCDF knows a scale that has no coordinates.
 ///

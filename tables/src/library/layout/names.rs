@@ -28,9 +28,6 @@ outward normal of the sheet and t the in-plane unit vector at the azimuth, right
 from azimuth_zero; a ray that enters at p and leaves at p' has the shift p' - p = (u, v) with u \
 along t and v along n x t, in edge lengths; arrays are [incidence, azimuth, shift_v, shift_u].";
 
-/// Greatest number of bytes that the arrays of one table may take in memory.
-pub(crate) const MOST_BYTES: u64 = 1 << 31;
-
 /// Dimension scale: name, unit and meaning.
 #[derive(PartialEq)]
 pub(crate) struct DimensionScale {

@@ -7,11 +7,12 @@ use std::path::Path as FilePath;
 use hdf5::File;
 use ndarray::{Array2, Array4, Array5, Dimension};
 
-use crate::error::{BAKE_AGAIN, Error, NAME_A_TABLE};
-use crate::file::layout::names::{self, Variable, attribute};
-use crate::file::layout::place::{Place, ROUNDING, near};
-use crate::file::layout::{deviations, polygons};
-use crate::file::limits::Ledger;
+use crate::error::Error;
+use crate::library::confine::Ledger;
+use crate::library::layout::names::{self, Variable, attribute};
+use crate::library::layout::place::{Place, ROUNDING, near};
+use crate::library::layout::{deviations, polygons};
+use crate::library::{BAKE_AGAIN, NAME_A_TABLE};
 use crate::options::{StatedOptions, Word};
 use crate::table::axes::Axes;
 use crate::table::check;

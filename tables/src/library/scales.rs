@@ -12,7 +12,7 @@ use hdf5::sync::sync;
 use hdf5_sys::h5f::H5Fget_file_image;
 use hdf5_sys::h5i::hid_t;
 
-use crate::file::library::last_error;
+use crate::library::memory::last_error;
 
 // hdf5-metno-sys (feature `hl`) links the hl library but declares none of its functions.
 unsafe extern "C" {

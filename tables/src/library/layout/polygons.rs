@@ -1,8 +1,8 @@
 //! Polygons of an exact table: ragged in memory, flat in the file.
 
 use crate::error::Error;
-use crate::file::layout::names::exact;
-use crate::file::layout::place::{NumericElement, Place};
+use crate::library::layout::names::exact;
+use crate::library::layout::place::{NumericElement, Place};
 use crate::table::exact::Exact;
 use crate::table::flat::FlatPaths;
 

@@ -11,6 +11,5 @@ mod polygons;
 mod store;
 
 pub(crate) use load::load;
-pub(crate) use names::MOST_BYTES;
 pub use names::VERSION;
 pub(crate) use store::{create, store};

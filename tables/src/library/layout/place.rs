@@ -14,9 +14,11 @@ use hdf5::types::{
 use hdf5::{Attribute, Dataset, Group, H5Type, LinkType};
 use ndarray::{ArrayD, Dimension, IxDyn};
 
-use crate::error::{BAKE_AGAIN, BAKE_LESS, Error};
-use crate::file::layout::names::{self, DimensionScale, MOST_BYTES, Variable};
-use crate::file::limits::Ledger;
+use crate::error::{BAKE_LESS, Error};
+use crate::file::limits::MOST_BYTES;
+use crate::library::BAKE_AGAIN;
+use crate::library::confine::Ledger;
+use crate::library::layout::names::{self, DimensionScale, Variable};
 use crate::table::axes::Axes;
 use crate::table::fate::Fate;
 
