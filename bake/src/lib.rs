@@ -38,8 +38,7 @@
 //! Each folder imports only the folders before it in this list:
 //!
 //! - `error`: what can go wrong
-//! - `geometry`: polygons
-//! - `samples`: points of the entrance
+//! - `geometry`: polygons, and points of the entrance
 //! - `optics`: what one surface does to light
 //! - `cell`: what a mesh is to light
 //! - `plan`: what is asked for
@@ -64,7 +63,6 @@ mod plan;
 mod plots;
 mod rays;
 mod run;
-mod samples;
 mod study;
 
 // The public interface of this crate. The types of the options belong to the crate `tables`.

@@ -72,7 +72,7 @@ pub use edges::names::LobeShape;
 pub use edges::names::Spectrum;
 pub use edges::names::{ParameterId, ParameterKind};
 pub use edges::photographs::Measurement;
-pub use edges::photographs::captures::load as load_campaign;
+pub use edges::photographs::manifest::captures::load as load_campaign;
 pub use edges::photographs::measure::edge as measure_edge;
 pub use edges::photographs::photo::channel::Decode;
 pub use edges::photographs::photo::exif::Settings;

@@ -16,8 +16,8 @@
 //! the facet; this is left out. Both matter only if the cosine of the light's angle from the
 //! facet's normal is not large against alpha.
 
+use crate::geometry::centred;
 use crate::optics::elementary::{ln, sin_cos};
-use crate::samples::centred;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_2_SQRT_PI, PI, SQRT_2};
 use tables::options::{Roughness, Slopes};

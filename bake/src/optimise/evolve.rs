@@ -5,7 +5,7 @@
 //! and Price 1997. Cells that lack something are compared by how much they lack (Deb 2000). A cell
 //! is a function of (seed, generation, place), so the result does not depend on the threads.
 
-use crate::samples::{Stream, centred};
+use crate::geometry::{Stream, centred};
 use rayon::prelude::*;
 use tables::options::Sampler;
 

@@ -3,9 +3,9 @@
 //! Rays that enter side by side meet the same facets. So the samples of all randomisations of a
 //! direction are sorted together.
 
+use crate::geometry::{Launch, Stream};
 use crate::rays::lane::{LANES, Mask, Reals, UNITS, digits, floor, points};
 use crate::rays::simd::{InstructionSet, Task};
-use crate::samples::{Launch, Stream};
 use glam::DVec2;
 use std::ops::Range;
 

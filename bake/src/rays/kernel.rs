@@ -2,6 +2,7 @@
 //! sheet that it traces: one scene, or one scene for each kind of body of the cell.
 
 use crate::cell::Prepared;
+use crate::geometry::{Launch, Stream};
 use crate::optics::{Incidence, Rules, element};
 use crate::rays::accumulator::{Accumulator, Bins};
 use crate::rays::departures::Departures;
@@ -17,7 +18,6 @@ use crate::rays::programs::program::Program;
 use crate::rays::rough::{RoughBatch, RoughTracing};
 use crate::rays::scene::{Index, Scene};
 use crate::rays::simd::InstructionSet;
-use crate::samples::{Launch, Stream};
 use std::ops::Range;
 use std::sync::Arc;
 use tables::Fate;

@@ -6,7 +6,7 @@
     reason = "the same lane of several arrays; iterators hide that"
 )]
 
-use crate::samples::{FOURTH_REVERSED, Piece, Stream, centred, pascal, philox, scramble};
+use crate::geometry::{FOURTH_REVERSED, Piece, Stream, centred, pascal, philox, scramble};
 use tables::options::Sampler;
 
 /// Number of rays that are traced side by side, the lanes of a vector.
@@ -123,7 +123,7 @@ pub(crate) fn sobol(stream: &Stream, indices: &[u32; LANES]) -> ([u32; LANES], [
 
 /// Returns the entry points in `piece`, and a mask of the rays that choose the piece.
 ///
-/// The operations are those of [`crate::samples::Launch::entry`], lane by lane.
+/// The operations are those of [`crate::geometry::Launch::entry`], lane by lane.
 #[inline(always)]
 pub(crate) fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals, Mask) {
     let (mut c0, mut c1): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
@@ -164,7 +164,7 @@ pub(crate) fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Real
 }
 
 /// Returns the chances of the samples with these `indices`, equal to those of
-/// [`crate::samples::Launch::chance`].
+/// [`crate::geometry::Launch::chance`].
 #[inline(always)]
 pub(crate) fn chances(stream: &Stream, indices: &[u64; LANES]) -> Reals {
     let mut digits = [0_u32; LANES];

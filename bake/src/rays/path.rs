@@ -2,12 +2,12 @@
 //!
 //! All faster tracers are checked against this one.
 
+use crate::geometry::Stream;
 use crate::optics::{
     Backing, Incidence, LEAST_POWER, Leaving, PASSES, PolarisedLight, Ray, Rules, element,
     fate_of_leaving, mirrored, reflect, refract, roughness,
 };
 use crate::rays::scene::{Event, Scene};
-use crate::samples::Stream;
 use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
 use tables::options::Sampler;

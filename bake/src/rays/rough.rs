@@ -12,6 +12,7 @@
     reason = "the same lane of several arrays; iterators hide that"
 )]
 
+use crate::geometry::{Launch, Stream, philox};
 use crate::optics::{
     BOUNCE_LIMIT, Incidence, Quick, Ray, Rules, Triangle, mirrored, reflect, roughness, slack_after,
 };
@@ -22,7 +23,6 @@ use crate::rays::lane::{digits, points};
 use crate::rays::programs::lanes;
 use crate::rays::scene::Scene;
 use crate::rays::simd::Task;
-use crate::samples::{Launch, Stream, philox};
 use glam::{DMat3, DVec2, DVec3};
 use std::ops::Range;
 use std::sync::Arc;

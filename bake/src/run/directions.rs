@@ -11,11 +11,11 @@
 
 use crate::cell::ExactCell;
 use crate::error::Error;
+use crate::geometry::Stream;
 use crate::plan::default;
 use crate::run::bake::Bake;
 use crate::run::bake::Progress;
 use crate::run::between::{Between, OPEN, error_at};
-use crate::samples::Stream;
 use rayon::prelude::*;
 use tables::cli::pool;
 use tables::options::Sampler;

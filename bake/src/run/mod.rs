@@ -1,14 +1,13 @@
 //! The bake: a prepared cell and a plan become a table, on all threads and ranks.
 //!
-//! [`bake::trace`] does the whole bake. [`retrace::retrace`] checks the numbers of a table against
-//! its mesh, [`claims::claims`] what it says about its bake. [`comparison::Comparison`] compares
+//! [`bake::trace`] does the whole bake. [`checks::retrace`] checks the numbers of a table
+//! against its mesh, [`checks::claims`] what it says about its bake. [`checks::comparison`] compares
 //! two tables. A [`bake::Progress`] is told the rays done and can stop the bake. Nothing is
 //! printed. Only the file `saves` knows the disk, and only `world` knows MPI.
 
 mod bake;
 mod between;
-mod claims;
-mod comparison;
+mod checks;
 mod cuts;
 mod directions;
 mod exits;
@@ -16,7 +15,6 @@ mod paths;
 mod provenance;
 mod ranks;
 pub(crate) mod remarks;
-mod retrace;
 mod rounds;
 pub(crate) mod saves;
 mod work;
@@ -26,12 +24,12 @@ mod world;
 pub(crate) use bake::{Bake, Baked};
 pub use bake::{Progress, trace};
 pub(crate) use between::Between;
-pub use claims::{Claims, Contradiction, Unchecked, claims};
-pub use comparison::{Comparison, Difference};
+pub use checks::claims::{Claims, Contradiction, Unchecked, claims};
+pub use checks::comparison::{Comparison, Difference};
+pub use checks::retrace::{error_between, rebake, retrace};
 pub use exits::ExitGap;
 pub use paths::{Forged, consistent};
 #[cfg(test)]
 pub(crate) use ranks::Alone;
 pub(crate) use ranks::{Launched, Ranks, agreed, start};
-pub use retrace::{error_between, rebake, retrace};
 pub(crate) use saves::{SavedFile, Saves};

@@ -3,10 +3,10 @@
 //! The sums are integers, so the number of threads or ranks has no effect on them.
 
 use crate::error::Error;
+use crate::geometry::Stream;
 use crate::rays::{Accumulator, Bins, Index, Kernel, SampleRange, Sheet, Sums};
 use crate::run::bake::Bake;
 use crate::run::bake::Progress;
-use crate::samples::Stream;
 use ndarray::{Array4, Array5};
 use rayon::prelude::*;
 use std::ops::Range;

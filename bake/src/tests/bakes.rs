@@ -2,11 +2,11 @@
 
 use crate::cell::{ExactCell, Kind, Prepared, Whole};
 use crate::error::Error;
+use crate::geometry::Stream;
 use crate::optics::Rules;
 use crate::plan::{Plan, Request, default};
 use crate::rays::{Accumulator, Bins, Kernel, Tracer};
 use crate::run::{Bake, Progress, trace};
-use crate::samples::Stream;
 use meshes::Cell;
 use std::ops::Range;
 use tables::options::{Element, Front, Method};

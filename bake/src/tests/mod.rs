@@ -3,20 +3,18 @@
 
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 
+mod answers;
 mod azimuth;
 mod bakes;
 mod cells;
 mod closed_form;
 mod curved;
-mod datasheet;
 mod determinism;
 mod deviations;
 mod elements;
 mod exact;
 mod hard_cases;
-mod optimise;
 mod ranks;
 mod rays;
 mod roughness;
-mod study;
 mod trapped;

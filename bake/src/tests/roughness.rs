@@ -4,10 +4,10 @@
 use crate::error::Error;
 use crate::tests::cells;
 
+use crate::geometry::Stream;
 use crate::optics::{Incidence, Rules, deviation};
 use crate::plan::{Plan, Request};
 use crate::rays::{Index, Outcome, RandomNumbers, Scene, Tracer, trace};
-use crate::samples::Stream;
 use crate::tests::bakes;
 use glam::{DMat2, DMat3, DVec2, DVec3};
 use std::f64::consts::PI;

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use crate::estimate::progress::Cancelled;
 use crate::model::wave;
 use edges::names::ParameterKind;
-use edges::photographs::captures;
 use edges::photographs::edge::fault::Fault;
+use edges::photographs::manifest::captures;
 
 /// Reason why an estimate or a prediction failed.
 #[derive(Debug, thiserror::Error)]

@@ -7,7 +7,7 @@ use edges::names::Kernel;
 use edges::names::LobeShape;
 use edges::names::Spectrum;
 pub use edges::numerics::Stream;
-use edges::photographs::captures;
+use edges::photographs::manifest::captures;
 use edges::photographs::photo::plane::Photo;
 use edges::photographs::photo::taken::Taken;
 use estimator::estimate::search::optimum::optimum;

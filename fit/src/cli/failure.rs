@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use edges::document::FileLine;
 use edges::names::Family;
 use edges::photographs::photo::plane::as_shown;
-use edges::photographs::{captures, edge, photo};
+use edges::photographs::{edge, manifest::captures, photo};
 #[cfg(feature = "full")]
 use lab::simulate::error as simulate;
 

@@ -5,28 +5,18 @@
 
 #[cfg(feature = "full")]
 pub mod calls;
-#[cfg(feature = "full")]
-mod compare;
 mod estimate;
-#[cfg(feature = "full")]
-mod explore;
-#[cfg(feature = "full")]
-mod export;
 mod failure;
 mod host;
+#[cfg(feature = "full")]
+mod lab;
 mod mtf;
 mod options;
 mod output;
 #[cfg(feature = "full")]
-mod plan;
+mod pictures;
 mod predict;
 mod progress;
-#[cfg(feature = "full")]
-mod render;
-#[cfg(feature = "full")]
-mod simulate;
-#[cfg(feature = "full")]
-mod study;
 mod verbs;
 
 #[cfg(feature = "full")]

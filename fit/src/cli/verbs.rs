@@ -7,13 +7,11 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tables::cli as terminal;
 use tables::cli::{Completions, Manual, version};
 
-#[cfg(feature = "full")]
-use crate::cli::explore;
 use crate::cli::failure::Failure;
 #[cfg(feature = "full")]
-use crate::cli::render;
+use crate::cli::lab::{plan, simulate, study};
 #[cfg(feature = "full")]
-use crate::cli::{compare, export, plan, simulate, study};
+use crate::cli::pictures::{compare, explore, export, render};
 use crate::cli::{estimate, mtf, predict};
 
 /// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from

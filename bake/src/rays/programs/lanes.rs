@@ -13,6 +13,7 @@
     reason = "the same lane of several arrays; iterators hide that"
 )]
 
+use crate::geometry::{Launch, Stream};
 use crate::rays::accumulator::Accumulator;
 use crate::rays::accumulator::Bins;
 use crate::rays::lane::order;
@@ -24,7 +25,6 @@ use crate::rays::programs::region::Affine;
 use crate::rays::programs::scratch::Excerpt;
 use crate::rays::programs::scratch::{Scratch, scatter};
 use crate::rays::simd::{InstructionSet, Task};
-use crate::samples::{Launch, Stream};
 use std::ops::Range;
 use tables::Fate;
 use tables::options::Sampler;

@@ -19,13 +19,13 @@
 //! other in a circle, and periodic cells in directions in which light runs far along the sheet. For
 //! them `Program::new` returns `None`, and they are traced facet by facet.
 
+use crate::geometry::centres_below;
 use crate::optics::{
     BOUNCE_LIMIT, Incidence, PolarisedLight, Rules, Triangle, fate_of_leaving, reflect, reflection,
 };
 use crate::rays::accumulator::Bins;
 use crate::rays::programs::region::{Affine, ROUNDING, Region, extent, needed, split};
 use crate::rays::scene::Scene;
-use crate::samples::centres_below;
 use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
 

@@ -1,8 +1,8 @@
 //! The speed with which facets approach the curved face that they stand for.
 
+use crate::geometry::{Launch, Stream};
 use crate::optics::Incidence;
 use crate::rays::{Index, Outcome, Scene, trace};
-use crate::samples::{Launch, Stream};
 use crate::tests::curved::oracle::Oracle;
 use crate::tests::curved::{RULES, cell, design};
 use meshes::design::Shape;

@@ -2,12 +2,12 @@
 //! them.
 
 use crate::cell::Whole;
+use crate::geometry::{Launch, Stream};
 use crate::optics::Incidence;
 use crate::plan::{Plan, Request};
 use crate::rays::{
     Accumulator, Bins, Event, Index, Kernel, Outcome, SampleRange, Scene, Tracer, trace,
 };
-use crate::samples::{Launch, Stream};
 use crate::tests::bakes;
 use crate::tests::bakes::asked;
 use crate::tests::curved::{RULES, cell, design};

@@ -1,9 +1,9 @@
 //! Samples, accumulators, sums and tables from one ray to more than 2^34.
 
+use crate::geometry::{Launch, Stream};
 use crate::optics::Rules;
 use crate::plan::Request;
 use crate::rays::{Accumulator, Bins, Index, Kernel, Scene, Sums};
-use crate::samples::{Launch, Stream};
 use crate::tests::bakes::compare;
 use crate::tests::hard_cases::both::{BothOptions, bake, cell, sound};
 use meshes::design::Shape;

@@ -4,9 +4,9 @@
 //! 100,187,343 rays one by one and 100,000,004 rays in programs were traced, and none was lost
 //! (`cargo test -p bake --lib hard_cases::leaks -- --nocapture`).
 
+use crate::geometry::{Launch, Stream, centred};
 use crate::optics::{Incidence, Rules};
 use crate::rays::{Accumulator, Bins, Index, Kernel, Scene, trace};
-use crate::samples::{Launch, Stream, centred};
 use crate::tests::cells::{self, edges};
 use crate::tests::hard_cases::both::cell;
 use glam::{DVec2, DVec3};

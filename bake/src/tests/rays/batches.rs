@@ -1,8 +1,8 @@
 //! Rays of rough facets side by side against single rays, ray for ray, on every instruction set.
 
+use crate::geometry::{Launch, Stream};
 use crate::optics::Rules;
 use crate::rays::{Accumulator, Bins, Index, InstructionSet, Kernel, Scene, Sheet};
-use crate::samples::{Launch, Stream};
 use crate::tests::bakes::compare;
 use crate::tests::rays::kernels::patch;
 use crate::tests::{bakes, cells};

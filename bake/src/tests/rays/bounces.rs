@@ -1,8 +1,8 @@
 //! The limit of reflections, which all tracers of rays and the exact method share.
 
+use crate::geometry::{Launch, Stream};
 use crate::optics::{Incidence, Rules};
 use crate::rays::{Accumulator, Bins, Index, Kernel, Scene, trace};
-use crate::samples::{Launch, Stream};
 use crate::tests::bakes;
 use crate::tests::exact::cells::cell;
 use glam::{DVec2, DVec3};

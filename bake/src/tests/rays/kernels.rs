@@ -6,11 +6,11 @@ use crate::tests::bakes::compare;
 use crate::tests::cells;
 
 use crate::cell::Whole;
+use crate::geometry::{Launch, Stream};
 use crate::optics::{Backing, Incidence, Rules};
 use crate::rays::{
     Accumulator, Batch, Bins, End, Index, InstructionSet, Kernel, Program, Scene, Sheet, trace,
 };
-use crate::samples::{Launch, Stream};
 use glam::DVec3;
 use meshes::design::{Design, Shape};
 use meshes::{Cell, Entrance};

@@ -4,9 +4,9 @@
 
 use crate::tests::cells;
 
+use crate::geometry::{Stream, centred};
 use crate::optics::{Incidence, Rules, reflect};
 use crate::rays::{Event, Index, Scene, trace};
-use crate::samples::{Stream, centred};
 use glam::DVec3;
 use tables::Fate;
 use tables::options::Sampler;

@@ -3,9 +3,9 @@
 //!
 //! `cargo test --release -p bake --lib ten_million -- --ignored --nocapture`
 
+use crate::geometry::{Launch, Stream};
 use crate::optics::{Backing, Rules};
 use crate::rays::{Accumulator, Bins, Index, Kernel, Scene};
-use crate::samples::{Launch, Stream};
 use crate::tests::cells;
 use crate::tests::rays::kernels::uneven;
 use meshes::Cell;

@@ -4,12 +4,12 @@
 //! say that too. The time of every step grows with the number of pixels and with the length of the
 //! profile.
 
-use crate::photographs::defects;
 use crate::photographs::edge;
 use crate::photographs::edge::shape;
+use crate::photographs::manifest::roi::Roi;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::pixels::defects;
 use crate::photographs::profile::Profile;
-use crate::photographs::roi::Roi;
 use crate::photographs::window::Window;
 
 /// Number of pixels from which only a band is measured.

@@ -7,8 +7,8 @@
 //! edge. Its region is the largest upright rectangle about its middle that holds no other mark.
 
 use crate::photographs::edge::line::EdgeLine;
+use crate::photographs::manifest::roi::Roi;
 use crate::photographs::photo::plane::Photo;
-use crate::photographs::roi::Roi;
 use crate::photographs::window::Window;
 
 /// Approximate number of blocks in the averaged picture.

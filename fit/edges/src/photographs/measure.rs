@@ -11,11 +11,12 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::edge::shape;
 use crate::photographs::illumination;
 use crate::photographs::illumination::Light;
+use crate::photographs::manifest::roi::Roi;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::pixels::{correlation, defects, processing, saturation};
 use crate::photographs::profile::Profile;
-use crate::photographs::roi::Roi;
 use crate::photographs::window::Window;
-use crate::photographs::{band, chart, correlation, defects, processing, saturation};
+use crate::photographs::{band, chart};
 
 /// Largest share of a window's pixels that may be off the edge's profile. More of them are no
 /// defects of a sensor.

@@ -5,35 +5,28 @@
 //! disturbs them. This module depends on no sheet and no model.
 
 mod band;
-pub mod captures;
 mod chart;
-mod correlation;
 pub mod crossing;
-mod defects;
 pub mod edge;
 mod illumination;
-pub mod lamp;
+pub mod manifest;
 pub mod measure;
-mod noise;
 pub mod photo;
-mod processing;
+mod pixels;
 mod profile;
-mod roi;
-mod saturation;
-mod setup;
 pub mod sfr;
 mod window;
 
-pub use captures::{Campaign, Capture, Shot};
 pub use edge::locate;
+pub use manifest::captures::{Campaign, Capture, Shot};
+pub use manifest::roi::Roi;
+pub use manifest::setup::Setup;
 pub use measure::Measurement;
-pub use noise::PixelNoise;
 #[cfg(test)]
 pub(crate) use photo::load_colour;
+pub use pixels::noise::PixelNoise;
 pub use profile::BIN_PX;
 pub use profile::Profile;
-pub use roi::Roi;
-pub use setup::Setup;
 pub use sfr::Mtf;
 #[cfg(test)]
 pub(crate) use sfr::standard_error;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::photographs::Roi;
-use crate::photographs::captures;
 use crate::photographs::edge::fault::Accepted;
+use crate::photographs::manifest::captures;
 use crate::photographs::photo::channel::Channel;
 use crate::photographs::photo::transfer::Transfer;
 

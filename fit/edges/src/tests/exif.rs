@@ -6,7 +6,7 @@ use std::path::Path;
 use image::ImageEncoder;
 
 use crate::photographs::Campaign;
-use crate::photographs::captures;
+use crate::photographs::manifest::captures;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
 use crate::photographs::photo::plane::Photo;

@@ -23,7 +23,7 @@ use crate::cli::output;
 use crate::cli::progress::Bar;
 use edges::names::Family;
 use edges::names::Spectrum;
-use edges::photographs::captures;
+use edges::photographs::manifest::captures;
 use edges::photographs::photo::channel::Channel;
 use edges::photographs::photo::in_memory::InMemory;
 use edges::photographs::{Campaign, Shot};

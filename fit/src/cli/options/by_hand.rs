@@ -10,7 +10,7 @@ use crate::cli::failure::Failure;
 use crate::cli::options::parse;
 use edges::names::{Kernel, Spectrum};
 use edges::photographs::Setup;
-use edges::photographs::captures;
+use edges::photographs::manifest::captures;
 use estimator::result::{ByHand, Nominal, ResultFile, Spread, TableResult};
 
 /// Numbers of a sheet that nobody has fitted. They take the place of a result.

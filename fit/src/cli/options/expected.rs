@@ -6,7 +6,7 @@ use tables::Table;
 
 use crate::cli::failure::Failure;
 use edges::photographs::Campaign;
-use edges::photographs::captures::{self, Manifest};
+use edges::photographs::manifest::captures::{self, Manifest};
 
 /// Hash that a table must have, if the user named one, and the option or key that names it.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! Reasons why a window holds no edge that can be measured, and what to do about each.
 
-use crate::photographs::roi::Roi;
+use crate::photographs::manifest::roi::Roi;
 
 /// A reason why no edge was found, or why the edge cannot be trusted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -3,7 +3,7 @@
 use crate::planted::{camera, params, table, truth};
 use edges::names::Kernel;
 use edges::names::LobeShape;
-use edges::photographs::captures;
+use edges::photographs::manifest::captures;
 use edges::photographs::photo;
 use edges::photographs::photo::channel::{Channel, Decode};
 use estimator::estimate::Scene;

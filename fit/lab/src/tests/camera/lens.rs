@@ -8,7 +8,7 @@ use crate::simulate::photograph::photograph;
 use crate::simulate::{Params, PlantedCamera, PlantedEdge, PlantedSheet};
 use crate::study::{campaign as manifest_of, source as source_of};
 use edges::names::{Kernel, LobeShape};
-use edges::photographs::captures::Shot;
+use edges::photographs::manifest::captures::Shot;
 use estimator::estimate::campaign::campaign;
 use estimator::estimate::{Candidates, Estimated, Kind, Options, Progress, Value, Verdict};
 

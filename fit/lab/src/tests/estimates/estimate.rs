@@ -5,7 +5,7 @@ use edges::names::Kernel;
 use edges::names::LobeShape;
 use edges::names::Spectrum;
 use edges::names::{ParameterId, ParameterKind};
-use edges::photographs::captures;
+use edges::photographs::manifest::captures;
 use estimator::compare::Contrast;
 use estimator::compare::Weights;
 use estimator::estimate::Candidates;

@@ -10,7 +10,7 @@ use crate::simulate::photograph as simulate;
 use crate::simulate::{ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot};
 use edges::names::Kernel;
 use edges::names::LobeShape;
-use edges::photographs::{captures, photo};
+use edges::photographs::{manifest::captures, photo};
 
 fn params() -> Params {
     let shot = |distance, incidence, normal| PlantedShot {

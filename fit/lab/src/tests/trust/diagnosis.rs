@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use edges::names::{Kernel, LobeShape};
 use edges::numerics::Stream;
-use edges::photographs::captures::Shot;
+use edges::photographs::manifest::captures::Shot;
 use edges::photographs::photo::plane::Photo;
-use edges::photographs::{Campaign, captures};
+use edges::photographs::{Campaign, manifest::captures};
 use estimator::estimate::campaign::{campaign, undiagnosed};
 use estimator::estimate::{Candidates, Estimated, Options, Progress, Verdict};
 use tables::Table;

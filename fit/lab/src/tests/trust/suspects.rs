@@ -12,7 +12,7 @@ use crate::simulate::{Params, PlantedSheet};
 use crate::study::{campaign as manifest_of, source as source_of};
 use edges::names::{Kernel, LobeShape};
 use edges::photographs::photo::transfer::Transfer;
-use edges::photographs::{Campaign, captures};
+use edges::photographs::{Campaign, manifest::captures};
 use estimator::Error;
 use estimator::estimate::campaign::campaign;
 use estimator::estimate::{

@@ -3,15 +3,15 @@
 
 use crate::cell::Prepared;
 use crate::error::Error;
+use crate::geometry::{Stream, centred};
 use crate::optics::Backing;
 use crate::plan::{Plan, Request};
 use crate::run::bake::Bake;
 use crate::run::bake::Progress;
 use crate::run::bake::trace;
 use crate::run::between::error_at;
-use crate::run::comparison::Comparison;
+use crate::run::checks::comparison::Comparison;
 use crate::run::provenance::{Stated, stated};
-use crate::samples::{Stream, centred};
 use rayon::prelude::*;
 use tables::options::{Back, Losses, Method, Sampler};
 use tables::{Symmetry, Table};

@@ -14,13 +14,13 @@ use tables::{Outputs, Table};
 
 use crate::cli::failure::Failure;
 use crate::cli::host::Host;
+use crate::cli::lab::study::all::run_all;
+use crate::cli::lab::study::mistaken::Mistaken;
+use crate::cli::lab::study::written::{spreadsheet, table_of};
 use crate::cli::options::expected;
 use crate::cli::options::terms::Terms;
 use crate::cli::options::{forward, sampled};
 use crate::cli::output;
-use crate::cli::study::all::run_all;
-use crate::cli::study::mistaken::Mistaken;
-use crate::cli::study::written::{spreadsheet, table_of};
 use estimator::estimate::Forward;
 use estimator::estimate::Kind;
 use estimator::estimate::Progress;
@@ -185,7 +185,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 ///
 /// # Errors
 /// Fails as [`run`] does, and returns [`Failure::Stopped`] if the host stopped the study.
-pub(super) fn text(arguments: &Arguments, host: Host<'_>) -> Result<String, Failure> {
+pub(in crate::cli) fn text(arguments: &Arguments, host: Host<'_>) -> Result<String, Failure> {
     let pool = terminal::pool(arguments.threads)?;
     Ok(match (&arguments.ranges, &arguments.captures) {
         (Some(ranges), _) => drawn(arguments, ranges, &pool, host)?,

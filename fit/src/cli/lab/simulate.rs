@@ -125,7 +125,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 ///
 /// # Errors
 /// Fails as [`run`] does.
-pub(super) fn written(arguments: &Arguments) -> Result<Report, Failure> {
+pub(in crate::cli) fn written(arguments: &Arguments) -> Result<Report, Failure> {
     let mut params = Params::load(&arguments.params)?;
     if let Some(table) = &arguments.table {
         params = params.of_sheet(&tables::read(table)?)?;
@@ -135,7 +135,7 @@ pub(super) fn written(arguments: &Arguments) -> Result<Report, Failure> {
 }
 
 /// Returns what was written as JSON.
-pub(super) fn json(report: &Report) -> String {
+pub(in crate::cli) fn json(report: &Report) -> String {
     let object = serde_json::json!({
         "manifest": report.manifest,
         "photographs": report.photographs,

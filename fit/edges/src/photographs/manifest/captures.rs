@@ -14,14 +14,14 @@ use toml::Spanned;
 use crate::document::{self, Document, FileLine, Table};
 use crate::document::{incidence, positive, tables, turn};
 use crate::photographs::edge::fault::Accepted;
+use crate::photographs::manifest::roi::Roi;
+use crate::photographs::manifest::setup::{Setup, SetupTable, accept, roi, setup, transfer};
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
 use crate::photographs::photo::exif::Settings;
 use crate::photographs::photo::in_memory::InMemory;
 use crate::photographs::photo::plane::{Photo, as_shown};
 use crate::photographs::photo::transfer::Transfer;
-use crate::photographs::roi::Roi;
-use crate::photographs::setup::{Setup, SetupTable, accept, roi, setup, transfer};
 
 /// A reason why a manifest, or one of its photographs, cannot be used.
 #[derive(Debug, thiserror::Error)]

@@ -1,7 +1,7 @@
 //! The way from a sample to the point of the entrance where its ray starts, uniform over the
 //! entrance.
 
-use crate::samples::sequence::{Stream, centred};
+use crate::geometry::sequence::{Stream, centred};
 use glam::DVec2;
 use meshes::Entrance;
 

@@ -175,7 +175,7 @@ const SIDE: usize = 512;
 
 /// Facts about a page.
 #[derive(Serialize)]
-pub(super) struct Facts {
+pub(in crate::cli) struct Facts {
     megabytes: f64,
     directions: usize,
     distance_mm: [f64; 2],
@@ -251,7 +251,7 @@ fn percent(share: f64) -> String {
 }
 
 /// Page, and the facts about it.
-pub(super) struct Made {
+pub(in crate::cli) struct Made {
     pub html: String,
     pub facts: Facts,
 }
@@ -260,7 +260,7 @@ pub(super) struct Made {
 ///
 /// # Errors
 /// Fails if an option contradicts the table, or if the sheet has no blur in a direction.
-pub(super) fn made(
+pub(in crate::cli) fn made(
     arguments: &Arguments,
     sheet: Fitted<'_>,
     title: String,

@@ -365,7 +365,7 @@ impl Arguments {
     ///
     /// # Errors
     /// Fails if the file of the view cannot be used, or if the camera has no lens.
-    pub(super) fn wanted(
+    pub(in crate::cli) fn wanted(
         &self,
         sheet: &Fitted<'_>,
         columns: usize,

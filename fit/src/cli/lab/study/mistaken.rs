@@ -7,8 +7,8 @@ use tables::Table;
 
 use crate::cli::failure::Failure;
 use crate::cli::host::Host;
+use crate::cli::lab::study::all::run_all;
 use crate::cli::output;
-use crate::cli::study::all::run_all;
 use estimator::estimate::{OtherTable, Verdict};
 use lab::study::{Ranges, mistakes, refused};
 

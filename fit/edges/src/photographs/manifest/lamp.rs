@@ -13,7 +13,7 @@ use crate::names::{SpectralLine, Spectrum};
 use crate::photographs::photo::channel::{Channel, REC709};
 
 /// V, D65 and LED illuminants.
-const TABULATED: &str = include_str!("../../data/illuminants.csv");
+const TABULATED: &str = include_str!("../../../data/illuminants.csv");
 
 /// Names of the illuminants.
 pub const ILLUMINANTS: [&str; 8] = [

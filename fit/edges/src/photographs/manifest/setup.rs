@@ -10,10 +10,10 @@ use crate::document::{self, Bounds, Document, Error};
 use crate::document::{choice, choices, positive, spectrum, turn};
 use crate::names::{ByAxis, Ghost, Haze, Polarisation, Retarder, Spectrum, State, Stray};
 use crate::photographs::edge::fault::Accepted;
-use crate::photographs::lamp::{Lamp, LampError};
+use crate::photographs::manifest::lamp::{Lamp, LampError};
+use crate::photographs::manifest::roi::Roi;
 use crate::photographs::photo::channel::Channel;
 use crate::photographs::photo::transfer::Transfer;
-use crate::photographs::roi::Roi;
 use crate::readers;
 
 /// Properties that all captures of a campaign have in common.

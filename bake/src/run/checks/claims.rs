@@ -12,8 +12,8 @@ use crate::error::Error;
 use crate::plan::Plan;
 use crate::run::bake::Progress;
 use crate::run::bake::without_rays;
+use crate::run::checks::retrace::{again, is_blind_to_the_back};
 use crate::run::provenance::provenance;
-use crate::run::retrace::{again, is_blind_to_the_back};
 use tables::options::{Losses, Method};
 use tables::{Provenance, Table};
 
