@@ -10,8 +10,8 @@ use ndarray::Array2;
 
 use crate::error::Error;
 use crate::lookup::between;
-use crate::lookup::between::NearDirection;
 use crate::lookup::family::{self, Family};
+use crate::lookup::shape::NearDirection;
 use crate::table::axes::Axes;
 use crate::table::deviation::Exits;
 use crate::table::exact::{Exact, Path};

@@ -1,9 +1,8 @@
 //! What the interpolation between directions knows of each path, for those who bound its error.
 
-use crate::lookup::between::{
-    self, FASTEST, Line, LineTrack, NearDirection, PathShape, SHORT, absent, clipped, distance,
-    families, shapes, weights,
-};
+use crate::lookup::between::{absent, families, shapes};
+use crate::lookup::course::{FASTEST, LineTrack, clipped, lines, weights};
+use crate::lookup::shape::{Line, NearDirection, PathShape, SHORT, deviation, distance};
 use crate::table::polygon::area;
 
 /// Path of the sheet as the directions around a gap show it: all that the interpolation between
@@ -73,7 +72,7 @@ impl Family {
     ///
     /// `index` is the refractive index of the sheet.
     pub fn deviation(astray: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
-        between::deviation(astray, tau, index)
+        deviation(astray, tau, index)
     }
 }
 
@@ -94,7 +93,7 @@ fn mean<const N: usize>(values: &[([f64; 2], [f64; N])], tau: [f64; 2]) -> [f64;
 
 /// Returns the families between `nodes`, or `None` if they cannot be interpolated.
 ///
-/// They are those of [`between::paths`]: neither depends on the direction that is asked for, but
+/// They are those of [`crate::lookup::between::paths`]: neither depends on the direction that is asked for, but
 /// only on which nodes have a share.
 pub(crate) fn known(nodes: &[NearDirection], index: f64) -> Option<Vec<Family>> {
     let seen = shapes(nodes, index)?;
@@ -103,7 +102,7 @@ pub(crate) fn known(nodes: &[NearDirection], index: f64) -> Option<Vec<Family>> 
             .iter()
             .map(|&(node, path)| (&nodes[node], &seen[node][path]))
             .collect();
-        let lines: Vec<LineTrack> = between::lines(&members);
+        let lines: Vec<LineTrack> = lines(&members);
         let jumps = absent(nodes, &family, &lines, &members);
         let corners = || members.iter().flat_map(|(_, shape)| &shape.corners);
         let end = |axis: usize, start: f64, pick: fn(f64, f64) -> f64| {

@@ -4,9 +4,11 @@
 //! exit directions.
 
 pub(crate) mod between;
+pub(crate) mod course;
 pub(crate) mod direction;
 pub(crate) mod family;
 pub(crate) mod many;
 pub(crate) mod moved;
 pub(crate) mod passage;
+pub(crate) mod shape;
 pub(crate) mod unfolded;

@@ -2,6 +2,7 @@
 //!
 //! A direction and a line enter; complex values by frequency leave.
 
+pub(crate) mod aperture;
 pub(crate) mod hermite;
 pub(crate) mod polygon_wave;
 pub(crate) mod ruling;
