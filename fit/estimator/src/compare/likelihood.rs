@@ -43,7 +43,7 @@ use crate::compare::light::{LIGHT, Lights, Terms, Uneven};
 use crate::compare::likelihood::nuisances::{FIRST_LIGHT, anywhere};
 use crate::compare::pixels::{Bin, Pixels};
 use crate::compare::place::Place;
-use crate::compare::view::{MODEL_ERROR, by_variance};
+use crate::compare::view::{MODEL_ERROR, by_further};
 use crate::model::Blur;
 use crate::model::Camera;
 use crate::model::Model;
@@ -173,11 +173,11 @@ impl<'a> Photograph<'a> {
         let wanted = [(blurs.0, 1, kink_by_spread), (blurs.1, 2, kink_by_c)];
         let wanted = wanted.into_iter().filter(|&(is, ..)| is);
         let by_blur = wanted.map(|(_, part, kink)| self.grid.even(&otf[part], kink));
-        // A Gaussian factor does not change the kink at frequency 0.
+        // A further blur does not change the kink at frequency 0.
         let slopes = model
             .into_iter()
-            .flat_map(|(model, _)| model.variance_slopes());
-        let further = slopes.map(|by| self.grid.even(&by_variance(&self.grid, &otf[0], by), 0.0));
+            .flat_map(|(model, blur)| model.further_slopes(blur));
+        let further = slopes.map(|own| self.grid.even(&by_further(&self.grid, &otf[0], own), 0.0));
         let by_lens = by_lens.iter().map(|otf| self.grid.even(otf, 0.0));
         Curves {
             value: self.grid.even(&otf[0], kink),

@@ -7,8 +7,7 @@ use num_complex::Complex64;
 use crate::model::Blur;
 use crate::model::Camera;
 use crate::model::Grid;
-use crate::model::further;
-use crate::model::{Curve, Model};
+use crate::model::{Curve, FurtherSlope, Model};
 use edges::numerics::fast_length;
 use edges::photographs::Profile;
 use edges::photographs::edge::line::EdgeLine;
@@ -144,8 +143,8 @@ impl View {
                 .then(|| bins(by_spread, kink_by_spread)),
             by_ln_c: model.kernel.has_c().then(|| bins(by_c, kink_by_c)),
             by_further: model
-                .variance_slopes()
-                .map(|by| bins(&by_variance(&self.grid, value, by), 0.0))
+                .further_slopes(blur)
+                .map(|slope| bins(&by_further(&self.grid, value, slope), 0.0))
                 .collect(),
         }
     }
@@ -225,13 +224,10 @@ impl View {
     }
 }
 
-/// Returns the derivative of an OTF by a parameter on which the variance of a Gaussian factor
-/// depends with the slope `by`.
-pub(crate) fn by_variance(grid: &Grid, otf: &[Complex64], by: f64) -> Vec<Complex64> {
+/// Returns the derivative of an OTF by the parameter of a further blur.
+pub(crate) fn by_further(grid: &Grid, otf: &[Complex64], slope: FurtherSlope) -> Vec<Complex64> {
     let frequencies = grid.frequencies_per_mm().zip(otf);
-    frequencies
-        .map(|(f, value)| value * (by * further::slope(f)))
-        .collect()
+    frequencies.map(|(f, value)| value * slope.at(f)).collect()
 }
 
 /// Evaluates the OTF of a camera along a normal at the frequencies of a grid.

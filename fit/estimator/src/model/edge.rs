@@ -40,6 +40,26 @@ impl Blur {
     }
 }
 
+/// Derivative of the logarithm of the OTF by the parameter of a further blur, by frequency.
+#[derive(Debug, Clone, Copy)]
+pub struct FurtherSlope {
+    /// Derivative of the variance along the normal by the parameter.
+    by: f64,
+    /// Variance of a ring along the normal, mm^2; `None` for a Gaussian.
+    ring_mm2: Option<f64>,
+}
+
+impl FurtherSlope {
+    /// Evaluates the derivative at a frequency in 1/mm.
+    pub fn at(self, frequency: f64) -> f64 {
+        let slope = match self.ring_mm2 {
+            Some(variance_mm2) => further::ring_slope(variance_mm2, frequency),
+            None => further::slope(frequency),
+        };
+        self.by * slope
+    }
+}
+
 /// Profile of a model over the bins, with its derivatives by the natural logarithms of spread and
 /// c, and by the variances of further blurs.
 pub struct Curve {
@@ -97,7 +117,7 @@ impl Model<'_> {
     pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
         let [sheet, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);
         let [lobe, by_ln_spread] = self.lobe_otf(blur.spread, frequency);
-        let mut others = Complex64::from(further::otf(self.variance_mm2(blur), frequency));
+        let mut others = Complex64::from(self.further_otf(blur, frequency));
         if let Some(ghost) = self.ghost {
             others *= ghost.otf(self.normal, frequency);
         }
@@ -107,25 +127,39 @@ impl Model<'_> {
         [sheet * lobe, sheet * by_ln_spread, by_ln_c * lobe].map(|part| part * others)
     }
 
-    /// Returns the variance of all further blurs along the normal, mm^2.
-    fn variance_mm2(&self, blur: Blur) -> f64 {
+    /// Evaluates the factor of the OTF by the further blurs.
+    fn further_otf(&self, blur: Blur, frequency: f64) -> f64 {
         if blur.angular_spread_mrad2 == 0.0 {
-            return blur.own_blur_mm2;
+            return further::otf(blur.own_blur_mm2, frequency);
         }
-        blur.own_blur_mm2 + blur.angular_spread_mrad2 * self.variance_per_mrad2()
+        let spread_mm2 = blur.angular_spread_mrad2 * self.variance_per_mrad2();
+        if self.further.is_ring {
+            further::otf(blur.own_blur_mm2, frequency) * further::ring(spread_mm2, frequency)
+        } else {
+            further::otf(blur.own_blur_mm2 + spread_mm2, frequency)
+        }
     }
 
     fn variance_per_mrad2(&self) -> f64 {
         further::variance_per_mrad2(self.r_mm, self.normal, self.tangential_gain)
     }
 
-    /// Returns the derivatives of the variance along the normal by the parameters of the further
-    /// blurs that the model has. Times [`further::slope`] they are those of the logarithm of the
-    /// OTF.
-    pub fn variance_slopes(&self) -> impl Iterator<Item = f64> + use<> {
-        let own = self.further.own_blur.then_some(1.0);
+    /// Returns the derivatives of the logarithm of the OTF by the parameters of the further blurs
+    /// that the model has.
+    pub fn further_slopes(&self, blur: Blur) -> impl Iterator<Item = FurtherSlope> + use<> {
+        let own = self.further.own_blur.then_some(FurtherSlope {
+            by: 1.0,
+            ring_mm2: None,
+        });
         let angular = self.further.angular_spread;
-        let angular = angular.then(|| self.variance_per_mrad2());
+        let angular = angular.then(|| {
+            let by = self.variance_per_mrad2();
+            let ring = self.further.is_ring;
+            FurtherSlope {
+                by,
+                ring_mm2: ring.then_some(blur.angular_spread_mrad2 * by),
+            }
+        });
         own.into_iter().chain(angular)
     }
 

@@ -5,8 +5,8 @@ use num_complex::Complex64;
 use tables::{Direction, ShiftLine, WaveLine};
 
 use crate::error::Error;
+use crate::model::wave;
 use crate::model::{Baseline, Blur, Further, Model};
-use crate::model::{further, wave};
 use crate::predict::sheet::Fitted;
 use edges::names::{Kernel, LobeShape, Stray};
 
@@ -71,8 +71,8 @@ impl Line {
                 r_mm,
                 normal: self.normal,
                 further: Further {
-                    own_blur: false,
                     angular_spread: self.blur.angular_spread_mrad2 > 0.0,
+                    ..Further::NONE
                 },
                 ghost: self.stray.ghost,
                 haze: self.stray.haze,
@@ -135,9 +135,10 @@ impl Curve<'_> {
             slope => slope / parameter,
         };
         // The derivative by the variance, times that of the variance by the spread.
-        let by_variance: f64 = self.model.variance_slopes().sum();
+        let slopes = self.model.further_slopes(self.blur);
+        let by_variance: f64 = slopes.map(|slope| slope.at(frequency_per_mm)).sum();
         let spread_mrad = self.blur.angular_spread_mrad2.sqrt();
-        let by_angular = value * further::slope(frequency_per_mm) * by_variance * 2.0 * spread_mrad;
+        let by_angular = value * by_variance * 2.0 * spread_mrad;
         Derived {
             value,
             by_blur: [

@@ -65,6 +65,7 @@ fn possible(scene: &Scene, kernel: Kernel) -> Further {
     Further {
         own_blur: scene.reference.is_some() && !kernel.is_baseline(),
         angular_spread: !kernel.is_baseline(),
+        is_ring: false,
     }
 }
 
@@ -92,11 +93,13 @@ impl Score {
         let further = Further {
             own_blur: all.own_blur && !own.own_blur,
             angular_spread: all.angular_spread && !own.angular_spread,
+            is_ring: false,
         };
         let choice = Choice {
             further: Further {
                 own_blur: own.own_blur || further.own_blur,
                 angular_spread: own.angular_spread || further.angular_spread,
+                is_ring: own.is_ring,
             },
             ..choice
         };
@@ -246,15 +249,16 @@ fn opened(scene: &Scene, choice: Choice) -> impl Iterator<Item = Choice> + use<>
 const TRIED: [Further; 3] = [
     Further {
         own_blur: true,
-        angular_spread: false,
+        ..Further::NONE
     },
     Further {
-        own_blur: false,
         angular_spread: true,
+        ..Further::NONE
     },
     Further {
         own_blur: true,
         angular_spread: true,
+        is_ring: false,
     },
 ];
 
@@ -483,6 +487,7 @@ pub(crate) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> O
         further: Further {
             own_blur: further.own_blur || fit.choice.further.own_blur,
             angular_spread: further.angular_spread || fit.choice.further.angular_spread,
+            is_ring: fit.choice.further.is_ring,
         },
         ..fit.choice
     };

@@ -30,7 +30,7 @@ use crate::estimate::scene::{Aerial, Scene, Source, group};
 use crate::estimate::search::fitted::{Estimate, estimate};
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::{Kind, Loss};
-use crate::estimate::search::optimum::{Optimum, refined, refined_to, rough_from};
+use crate::estimate::search::optimum::{Optimum, refined, refined_to, rough, rough_from};
 use crate::estimate::search::select::Ranked;
 use crate::estimate::search::start::Start;
 use crate::estimate::trust::goodness;
@@ -177,6 +177,9 @@ struct Alternative {
     choices: Vec<Choice>,
     /// Number of sums of squares that chance explains, such as by one more parameter.
     cost: f64,
+    /// True for another blur: the estimate may be far from it, so it is fitted from the starting points
+    /// of a first fit too.
+    is_blur: bool,
 }
 
 /// Suspect that explains a misfit.
@@ -359,7 +362,11 @@ impl Search<'_> {
             if self.is_over(tally) {
                 return Ok(None);
             }
-            let found = self.at_least(&own.scene, &own.choices);
+            let found = if own.is_blur {
+                self.at_least_anew(&own.scene, &own.choices)
+            } else {
+                self.at_least(&own.scene, &own.choices)
+            };
             self.done(tally, 1)?;
             Ok(found.map(|found| (found.excess + own.cost, (order, own), found)))
         });
@@ -403,15 +410,21 @@ impl Search<'_> {
         if !scene.is_lit() {
             return None;
         }
-        let fits = choices.iter().filter_map(|&choice| {
-            let fit = rough_from(scene, choice, vec![self.start(scene, choice)]);
-            (fit.solution.stop != Stop::Failed).then(|| Outcome {
-                excess: freed(&fit, scene),
-                fit,
-            })
+        let fits = choices.iter().map(|&choice| {
+            let start = self.start(scene, choice);
+            rough_from(scene, choice, vec![start])
         });
-        fits.filter(|fit| fit.excess.is_finite())
-            .min_by(|a, b| a.excess.total_cmp(&b.excess))
+        least(scene, fits)
+    }
+
+    /// Does the same from the starting points of each candidate too.
+    fn at_least_anew(&self, scene: &Scene, choices: &[Choice]) -> Option<Outcome> {
+        if !scene.is_lit() {
+            return None;
+        }
+        let anew = least(scene, choices.iter().map(|&choice| rough(scene, choice)));
+        let found = self.at_least(scene, choices).into_iter().chain(anew);
+        found.min_by(|a, b| a.excess.total_cmp(&b.excess))
     }
 
     /// Returns the estimate as the start of a candidate, with its mean spread.
@@ -456,6 +469,17 @@ fn comparable(mut named: Vec<Named>) -> Vec<Suspect> {
     let least = named.first().map_or(0.0, |best| best.left);
     named.retain(|own| own.left - least <= SURE.max(least));
     named.into_iter().map(|own| own.suspect).collect()
+}
+
+/// Returns the fit that leaves least, or `None` if all failed.
+fn least(scene: &Scene, fits: impl Iterator<Item = Optimum>) -> Option<Outcome> {
+    let fits = fits.filter(|fit| fit.solution.stop != Stop::Failed);
+    let fits = fits.map(|fit| Outcome {
+        excess: freed(&fit, scene),
+        fit,
+    });
+    fits.filter(|fit| fit.excess.is_finite())
+        .min_by(|a, b| a.excess.total_cmp(&b.excess))
 }
 
 /// Returns the sum of squares of a fit less its degrees of freedom.

@@ -90,6 +90,7 @@ fn either_blur(best: &Estimate, compared: &[Ranked]) -> Option<String> {
     let other = Further {
         own_blur: own.angular_spread,
         angular_spread: own.own_blur,
+        is_ring: false,
     };
     let (own, other) = (criterion(own)?, criterion(other)?);
     let [taken, beside] = if best.own_blur_px.is_some() {

@@ -5,10 +5,10 @@ use rayon::prelude::*;
 use crate::estimate::progress::Progress;
 use crate::estimate::scene::perturbed::{Conditions, OtherIndex};
 use crate::estimate::scene::{Aerial, Scene};
-use crate::estimate::search::layout::Choice;
+use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::select::CLEAR;
 use crate::estimate::trust::suspects::{Alternative, Otherwise, SURE, Search};
-use crate::model::wave;
+use crate::model::{Further, wave};
 use edges::names::{Kernel, LobeShape, Spectrum};
 use edges::photographs::photo::transfer::Transfer;
 
@@ -118,6 +118,7 @@ impl Search<'_> {
             scene,
             choices: self.fuller(),
             cost: 0.0,
+            is_blur: false,
         }
     }
 
@@ -389,7 +390,47 @@ impl Search<'_> {
         let of_rays = pairs
             .into_iter()
             .map(|(kernel, shape)| self.of_blur_by(kernel, shape));
-        of_rays.chain(self.of_waves()).collect()
+        let of_rays = of_rays.chain(self.of_waves());
+        of_rays.chain(self.of_common_errors()).collect()
+    }
+
+    /// Returns the spots of dihedral errors that all cells share, as a ring, if the table is one of
+    /// ideal cubes.
+    fn of_common_errors(&self) -> Option<Alternative> {
+        let exact = self
+            .table
+            .exact
+            .iter()
+            .flat_map(|exact| exact.paths.iter().flatten());
+        let is_ideal = |path: &tables::Path| path.deviation == [0.0; 2];
+        if !exact.into_iter().all(is_ideal) || self.fit.choice.kernel.has_waves() {
+            return None;
+        }
+        let choice = Choice {
+            further: Further {
+                angular_spread: true,
+                is_ring: true,
+                ..self.fit.choice.further
+            },
+            ..self.fit.choice
+        };
+        let fit = self.at_least_anew(self.scene, &[choice])?.fit;
+        let layout = Layout::new(choice, self.scene.groups.len());
+        let variance_mrad2 = fit.solution.parameters[layout.angular_spread()?];
+        // The root mean square of three errors e is sigma / (2 m), see `crate::model::further`.
+        let index = self.table.provenance.refractive_index;
+        let error_mrad = variance_mrad2.max(0.0).sqrt() / (2.0 * index);
+        let what = format!(
+            "the dihedral angles of all cubes are off by about {error_mrad:.3} mrad (root mean \
+            square): bake tables with such errors (bake design --dihedral-error-mrad) and give them \
+            as further --table"
+        );
+        Some(Alternative {
+            choices: vec![choice],
+            cost: CLEAR,
+            is_blur: true,
+            ..self.alternative(what, Vec::new(), self.scene.clone())
+        })
     }
 
     /// Returns the waves of the wavelength that fits best, if no wavelength is known and the table
@@ -423,6 +464,7 @@ impl Search<'_> {
         Some(Alternative {
             choices: vec![choice],
             cost: CLEAR,
+            is_blur: true,
             ..self.alternative(what, Vec::new(), scene)
         })
     }
@@ -441,6 +483,7 @@ impl Search<'_> {
                 ..self.fit.choice
             }],
             cost: CLEAR,
+            is_blur: true,
             ..self.alternative(what, Vec::new(), self.scene.clone())
         }
     }
