@@ -212,11 +212,12 @@ fn dihedral_errors_are_an_angular_spread() {
 ///
 /// Three equal errors e send the light of normal incidence 4 sqrt(2/3) m e aside. The variance of
 /// this ring is that of independent errors of 2/sqrt(3) e. At oblique incidence the spots move by up
-/// to 1 - cos(23 deg) = 8 % of it within the sheet; a tenth is allowed.
+/// to 1 - cos(23 deg) = 8 % of it within the sheet; a tenth is allowed. Spots that stand apart, as
+/// those of 0.5 mrad do here, are no ring.
 #[test]
 #[ignore = "seconds: `make test-full` runs it"]
 fn dihedral_errors_of_all_cells_are_named() {
-    let cases = [0.2, 0.3, 0.5];
+    let cases = [0.2, 0.25, 0.3];
     let run = |mrad: f64| {
         let Outcome { estimated, .. } = fitted(Effect::Common(mrad), 5, &[150.0, 300.0], 4e4);
         let goodness = &estimated.goodness;
