@@ -136,32 +136,12 @@ pub(crate) struct Foreseen<'a> {
 impl<'a> Foreseen<'a> {
     /// Computes what each photograph would tell.
     pub(crate) fn new(plan: &'a Plan, table: &'a Table) -> Result<Foreseen<'a>, Error> {
-        let Choices {
-            floating_distance_mm,
-            incidence_deg,
-            azimuth_deg,
-            ..
-        } = &plan.choices;
-        let mut directions = Vec::new();
-        for &incidence in incidence_deg {
-            for &azimuth in azimuth_deg {
-                let eta = table.direction(incidence, Some(azimuth));
-                let eta = eta.map_err(estimator::Error::from)?.retroreflected;
-                directions.push((incidence, azimuth, eta));
-            }
-        }
-        let all = directions.len();
-        directions.retain(|&(.., eta)| eta >= LEAST_ETA);
-        let per_direction = floating_distance_mm.len() * plan.choices.edge.len();
-        let dark = (all - directions.len()) * per_direction;
-        let Some(&(first, turned, _)) = directions.first() else {
+        let (setups, dark) = setups(&plan.choices, table)?;
+        let Some(&(first, _)) = setups.first() else {
             return Err(Error::Dark);
         };
-        let pattern = pattern(plan, table, [first, turned])?;
-        let mut angles: Vec<f64> = directions
-            .iter()
-            .map(|&(incidence, ..)| incidence)
-            .collect();
+        let pattern = pattern(plan, table, [first.incidence_deg, first.azimuth_deg])?;
+        let mut angles: Vec<f64> = setups.iter().map(|(own, _)| own.incidence_deg).collect();
         angles.sort_by(f64::total_cmp);
         angles.dedup();
         let own = |own: Own| plan.beliefs.per_angle.contains(&own) && angles.len() > 1;
@@ -207,18 +187,6 @@ impl<'a> Foreseen<'a> {
             points: plan.beliefs.points(),
             rival: None,
         };
-        let setup = |floating_distance_mm, (incidence_deg, azimuth_deg, eta)| {
-            let setup = Setup {
-                floating_distance_mm,
-                incidence_deg,
-                azimuth_deg,
-            };
-            (setup, eta)
-        };
-        let setups: Vec<(Setup, f64)> = floating_distance_mm
-            .iter()
-            .flat_map(|&r| directions.iter().map(move |&direction| setup(r, direction)))
-            .collect();
         seen.rival = plan
             .rival
             .map(|rival| seen.resembling(rival, &setups))
@@ -402,6 +370,29 @@ impl<'a> Foreseen<'a> {
         }
         Ok(known)
     }
+}
+
+/// Returns the setups that return light, each with its retroreflected share, and the number of
+/// photographs that would show none.
+fn setups(choices: &Choices, table: &Table) -> Result<(Vec<(Setup, f64)>, usize), Error> {
+    let (mut lit, mut all) = (Vec::new(), 0);
+    for &floating_distance_mm in &choices.floating_distance_mm {
+        for &incidence_deg in &choices.incidence_deg {
+            for &azimuth_deg in &choices.azimuth_deg {
+                let eta = table.direction(incidence_deg, Some(azimuth_deg));
+                let eta = eta.map_err(estimator::Error::from)?.retroreflected;
+                let setup = Setup {
+                    floating_distance_mm,
+                    incidence_deg,
+                    azimuth_deg,
+                };
+                lit.extend((eta >= LEAST_ETA).then_some((setup, eta)));
+                all += 1;
+            }
+        }
+    }
+    let dark = (all - lit.len()) * choices.edge.len();
+    Ok((lit, dark))
 }
 
 /// Returns the value of a parameter of a result.
