@@ -1,4 +1,4 @@
-"""Reads a ray-shift table (FORMAT.md, versions 1 to 3) with h5py and numpy alone.
+"""Reads a ray-shift table (FORMAT.md, versions 1 to 4) with h5py and numpy alone.
 
 Usage: read_table.py TABLE.h5
 """
@@ -18,9 +18,9 @@ def read_table(name):
         table = {key: value for key, value in file.attrs.items()}
         if table.get("format") != "retroreflective ray-shift table":
             raise ValueError(f"{name}: not a ray-shift table")
-        if not 1 <= table["version"] <= 3:
+        if not 1 <= table["version"] <= 4:
             raise ValueError(
-                f"{name}: format version {table['version']}, this reader knows 1 to 3"
+                f"{name}: format version {table['version']}, this reader knows 1 to 4"
             )
         table.update(
             {key: data[()] for key, data in file.items() if isinstance(data, h5py.Dataset)}

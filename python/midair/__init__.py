@@ -20,8 +20,9 @@ from midair import _programs as _programs
 from midair._compare import Comparison, Shot, compare
 from midair._errors import Error, MidairWarning
 from midair._evaluate import Scores, evaluate
-from midair._fit import Edge, Estimate, Report, Result
-from midair._fit import estimate, example, load, measure, sheet, simulate, study
+from midair._fit import Edge, Estimate, Plan, Report, Result
+from midair._fit import estimate, example, load, measure, plan, sheet, simulate, study
+from midair._maker import Best, Datasheet, datasheet, optimise
 from midair._mesh import Mesh, design
 from midair._picture import picture
 from midair._register import Registration, register
@@ -29,13 +30,16 @@ from midair._table import Path, Table, open, trace
 from midair._version import __version__
 
 __all__ = [
+    "Best",
     "Comparison",
+    "Datasheet",
     "Edge",
     "Error",
     "Estimate",
     "Mesh",
     "MidairWarning",
     "Path",
+    "Plan",
     "Registration",
     "Report",
     "Result",
@@ -44,6 +48,7 @@ __all__ = [
     "Table",
     "__version__",
     "compare",
+    "datasheet",
     "design",
     "estimate",
     "evaluate",
@@ -51,7 +56,9 @@ __all__ = [
     "load",
     "measure",
     "open",
+    "optimise",
     "picture",
+    "plan",
     "register",
     "sheet",
     "simulate",

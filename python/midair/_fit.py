@@ -180,7 +180,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Report:
-    """Page of an estimate, or page with sliders. A notebook shows it; `save` writes it to a file.
+    """Page of an estimate, of a plan or of a cell, or page with sliders. A notebook shows it; `save` writes it to a file.
 
     Attributes
     ----------
@@ -916,6 +916,67 @@ def example() -> str:
         Path of the manifest, for `estimate`.
     """
     return str(pathlib.Path(__file__).with_name("example") / "captures.toml")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Planned photographs.
+
+    Attributes
+    ----------
+    manifest : str
+        Text of the manifest to fill in, TOML.
+    report : Report
+        Page to print, with boxes to tick.
+    data : dict
+        What ``fit plan --json`` prints: the photographs, the errors to expect, and what further
+        photographs would bring.
+    """
+
+    manifest: str = field(repr=False)
+    report: Report = field(repr=False)
+    data: dict[str, Any]
+
+    def save(self, path: File) -> None:
+        """Write the manifest to a file, whole or not at all."""
+        with refusals():
+            _midair.write(os.fspath(path), self.manifest)
+
+
+def plan(
+    plan: File,
+    table: Table | File,
+    *,
+    given: Result | None = None,
+    threads: int | None = None,
+) -> Plan:
+    """Say which photographs tell a sheet's c, a and mu best, as ``fit plan`` does.
+
+    Parameters
+    ----------
+    plan : path
+        Beliefs and choices, as TOML; ``fit plan --help`` shows an example.
+    table : Table or path
+        Table of the cell, with the directions of the choices.
+    given : Result, optional
+        Result of earlier photographs, to which the planned ones add.
+
+    Raises
+    ------
+    Error
+        If the plan, the table or the result cannot be used.
+    """
+    if not isinstance(table, Table):
+        table = open_table(table)
+    with refusals():
+        made = _midair.plan(
+            words(plan, table="table", threads=threads),
+            table._table,
+            None if given is None else given._result,
+        )
+    data, manifest, page, warnings = made
+    warn(warnings)
+    return Plan(manifest, Report(page), json.loads(data))
 
 
 def simulate(

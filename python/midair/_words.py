@@ -70,7 +70,7 @@ _VALUES = (
 _OPTION = re.compile(
     r"""
     (?P<command> `[^`]*` | \b(?:bake|fit|cargo|make)[ ]
-        (?:design|trace|merge|inspect|verify|estimate|mtf|predict|render|install)\b [^;`)]* )
+        (?:datasheet|design|trace|merge|inspect|verify|estimate|mtf|optimise|plan|predict|render|install)\b [^;`)]* )
     | (?<![\w-]) --(?P<name>[a-z][a-z-]*)
         (?: [ ]<[^<>]*>(?:\.\.\.)?
         | [ =](?P<value> -?[\w,/.:-]*\d[\w,/.:-]*(?<![,.:]) | [A-Z]+(?:[/,][A-Z]+)*(?![\w-])

@@ -180,6 +180,23 @@ pub(crate) fn explore(
     run(py, None, |_| calls::explore(&words, result, &table, source))
 }
 
+/// Plan, manifest to fill in, page to print, and warnings.
+type Planned = (String, String, String, Vec<String>);
+
+/// Plans photographs; returns the plan as JSON, the manifest, the page and warnings.
+#[pyfunction]
+pub(crate) fn plan(
+    py: Python<'_>,
+    words: Words,
+    table: PyRef<'_, Table>,
+    given: Option<PyRef<'_, Result>>,
+) -> PyResult<Planned> {
+    let table = Arc::clone(&table.table);
+    let given = given.as_ref().map(|own| &own.result);
+    let made = run(py, None, |_| calls::plan(&words, &table, given))?;
+    Ok((made.json, made.manifest, made.page, made.warnings))
+}
+
 /// Writes a synthetic campaign; returns JSON.
 #[pyfunction]
 pub(crate) fn simulate(py: Python<'_>, words: Words) -> PyResult<String> {

@@ -52,11 +52,11 @@ mod _midair {
     use super::Refusal;
     #[pymodule_export]
     use super::fits::{
-        Result, estimate, explore, measure, predict, read_picture, read_result, render,
+        Result, estimate, explore, measure, plan, predict, read_picture, read_result, render,
         result_of_json, sheet, simulate, study, table_of_sheet,
     };
     #[pymodule_export]
-    use super::mesh::{Mesh, design};
+    use super::mesh::{Mesh, datasheet, design, optimise};
     #[pymodule_export]
     use super::table::{Table, open, trace};
     #[pymodule_export]

@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
+use bake::cli::calls::{self, Caller};
 use glam::DVec3;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
+use crate::work::{Host, run};
 use crate::{Words, refusal};
 
 /// Mesh of a cell, in the units of its file.
@@ -108,7 +110,7 @@ impl Mesh {
 
     /// Writes the mesh to a file, .obj or .glb.
     fn write(&self, path: PathBuf) -> PyResult<()> {
-        bake::cli::calls::write(&self.mesh, &path).map_err(refusal)
+        calls::write(&self.mesh, &path).map_err(refusal)
     }
 }
 
@@ -122,6 +124,50 @@ impl Mesh {
 /// Makes the mesh of a design.
 #[pyfunction]
 pub(crate) fn design(words: Words) -> PyResult<Mesh> {
-    let mesh = bake::cli::calls::design(&words).map_err(refusal)?;
+    let mesh = calls::design(&words).map_err(refusal)?;
     Ok(Mesh { mesh })
+}
+
+/// Returns the caller of a verb for this host; `what` names its pieces.
+fn called<T>(host: &Host, what: &str, verb: impl FnOnce(Caller) -> T) -> T {
+    verb(Caller {
+        told: &|done, of| host.tell(what, done, of),
+        stop: &host.stop,
+    })
+}
+
+/// Makes the data sheet of a cell, or of two compared; returns the page, JSON and warnings.
+#[pyfunction]
+pub(crate) fn datasheet(
+    py: Python<'_>,
+    words: Words,
+    meshes: [Option<PyRef<'_, Mesh>>; 2],
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(String, String, Vec<String>)> {
+    let held = meshes
+        .each_ref()
+        .map(|mesh| mesh.as_ref().map(|mesh| &mesh.mesh));
+    let made = run(py, progress, |host| {
+        called(host, "bakes", |caller| {
+            calls::datasheet(&words, held, caller)
+        })
+    })?;
+    Ok((made.page, made.json, made.warnings))
+}
+
+/// Best cell, JSON, picture of the front and warnings.
+type Best = (Mesh, String, Option<String>, Vec<String>);
+
+/// Searches the best cell of a goal.
+#[pyfunction]
+pub(crate) fn optimise(
+    py: Python<'_>,
+    words: Words,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Best> {
+    let made = run(py, progress, |host| {
+        called(host, "cells", |caller| calls::optimise(&words, caller))
+    })?;
+    let mesh = Mesh { mesh: made.mesh };
+    Ok((mesh, made.json, made.front, made.warnings))
 }

@@ -10,7 +10,6 @@ use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArray4, PyArray5, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use tables::Fate;
 use tables::cli::Refused;
 
 use crate::mesh::Mesh;
@@ -121,8 +120,7 @@ impl Table {
     /// Returns the names of the fates.
     #[getter]
     fn fate_names(&self) -> Vec<&'static str> {
-        let fates = Fate::of(self.table.provenance.options.front());
-        fates.iter().map(|fate| fate.name()).collect()
+        self.table.fates().iter().map(|fate| fate.name()).collect()
     }
 
     /// Returns the rays launched, shape (incidence, azimuth); 0 for an exact table.

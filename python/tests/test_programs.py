@@ -253,6 +253,72 @@ class Numbers(Case):
         self.tell(len(files), "files of a campaign, and a study")
 
 
+class Answers(Case):
+    def test_data_sheets(self) -> None:
+        files = [self.folder / f"{name}.obj" for name in ("pair", "other")]
+        meshes = [midair.design("triangular-pair"), midair.design("canted", cant_deg=5.0)]
+        for mesh, file in zip(meshes, files, strict=True):
+            mesh.save(file)
+        options = {"refractive_index": 1.49, "cells": 2, "step": 10, "incidence": [0, 20]}
+        for count in (1, 2):
+            printed = run("bake", "datasheet", *files[:count], "--json", *flags(options)).stdout
+            of_memory = quiet(midair.datasheet, *meshes[:count], **options)
+            of_files = quiet(midair.datasheet, *files[:count], **options)
+            self.assertEqual(of_files.data, json.loads(printed))
+            self.assertIn("Data sheet", of_memory.html)
+            self.assertEqual(nameless(of_memory.data), nameless(of_files.data))
+        self.tell(4, "data sheets")
+
+    def test_the_best_cell(self) -> None:
+        goal, file = self.folder / "goal.toml", self.folder / "best.obj"
+        text = (ROOT / "bake" / "doc" / "goal.toml").read_text()
+        goal.write_text("cells = 200\n" + text)
+        printed = json.loads(run("bake", "optimise", goal, "-o", file, "--json").stdout)
+        best = quiet(midair.optimise, goal)
+        told = {"seconds", "mesh"}
+        self.assertEqual(
+            {name: own for name, own in best.data.items() if name not in told},
+            {name: own for name, own in printed.items() if name not in told},
+        )
+        best.mesh.save(self.folder / "python.obj")
+        self.assertEqual((self.folder / "python.obj").read_bytes(), file.read_bytes())
+        best.save(self.folder / "front.svg")
+        self.assertIn("<svg", (self.folder / "front.svg").read_text())
+        goal.write_text("cells = 200\n" + text.replace('"both"', '"mtf"'))
+        with self.assertRaises(ValueError):
+            quiet(midair.optimise, goal).save(self.folder / "front.svg")
+
+    def test_plans_of_photographs(self) -> None:
+        file, manifest = self.folder / "plan.toml", self.folder / "planned.toml"
+        table = midair.trace(
+            midair.design("triangular-pair"),
+            self.folder / "pair.h5",
+            refractive_index=1.49,
+            incidence="0:30:10",
+            azimuth=30,
+        )
+        text = (ROOT / "fit" / "doc" / "plan.toml").read_text()
+        file.write_text('tell_apart = ["eq1", "angular"]\n' + text)
+        words = ("--table", self.folder / "pair.h5", "-o", manifest, "--json")
+        printed = json.loads(run("fit", "plan", file, *words).stdout)
+        planned = midair.plan(file, table)
+        self.assertEqual(planned.data, printed)
+        self.assertEqual(planned.manifest, manifest.read_text())
+        planned.save(self.folder / "python.toml")
+        self.assertEqual((self.folder / "python.toml").read_bytes(), manifest.read_bytes())
+        self.assertIn('type="checkbox"', planned.report.html)
+        self.assertEqual(midair.plan(file, self.folder / "pair.h5").data, printed)
+        with self.assertRaises(midair.Error):
+            midair.plan(self.folder / "none.toml", table)
+
+
+def nameless(data: Any) -> Any:
+    """Return the numbers of data sheets without the names of the meshes, which are those of files."""
+    if isinstance(data, dict):
+        return {key: nameless(own) for key, own in data.items() if key != "name"}
+    return [nameless(own) for own in data] if isinstance(data, list) else data
+
+
 class Sentences(Case):
     def test_refusals_are_those_of_the_programs(self) -> None:
         mesh, table = self.folder / "pair.obj", self.folder / "pair.h5"

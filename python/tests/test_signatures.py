@@ -34,7 +34,7 @@ OF_A_SHEET = {
     "wavelength_nm",
 }
 #: Options that stand first in Python, without a keyword of their own name.
-FIRST = {"captures", "mesh", "image", "params", "name", "source"}
+FIRST = {"captures", "goal", "mesh", "image", "params", "plan", "name", "second", "source"}
 
 
 class Signatures(Case):
@@ -44,7 +44,10 @@ class Signatures(Case):
             (midair.trace, "bake", "trace", set()),
             (midair.measure, "fit", "mtf", set()),
             (midair.estimate, "fit", "estimate", set()),
+            (midair.plan, "fit", "plan", set()),
             (midair.simulate, "fit", "simulate", set()),
+            (midair.datasheet, "bake", "datasheet", set()),
+            (midair.optimise, "bake", "optimise", set()),
             (midair.study, "fit", "study", set()),
             # Pictures against a quantity are a matter of xarray in Python, model and channel are
             # those of the result, and --floating-distance is another name of --distance.
@@ -73,7 +76,16 @@ class Signatures(Case):
 
     def test_no_default_stands_in_python(self) -> None:
         cases = 0
-        verbs = (midair.design, midair.trace, midair.measure, midair.estimate, midair.study)
+        verbs = (
+            midair.datasheet,
+            midair.design,
+            midair.estimate,
+            midair.measure,
+            midair.optimise,
+            midair.plan,
+            midair.study,
+            midair.trace,
+        )
         for function in verbs:
             for one in inspect.signature(function).parameters.values():
                 if one.kind is one.KEYWORD_ONLY:

@@ -45,7 +45,7 @@ fn rays() -> Table {
         }
     });
     let fates = Array4::from_shape_fn(
-        (DIRECTIONS, 1, 16, Fate::of(Front::Once).len()),
+        (DIRECTIONS, 1, 16, Fate::of(Front::Once, false).len()),
         |(i, a, r, fate)| {
             if fate == Fate::Retroreflected as usize {
                 counts.slice(ndarray::s![i, a, r, .., ..]).sum()
@@ -75,7 +75,7 @@ fn exact() -> Table {
         passes: 0,
         jones: None,
     };
-    let mut fate = Array3::zeros((DIRECTIONS, 1, Fate::of(Front::Once).len()));
+    let mut fate = Array3::zeros((DIRECTIONS, 1, Fate::of(Front::Once, false).len()));
     fate.slice_mut(ndarray::s![.., .., Fate::Retroreflected as usize])
         .fill(0.25);
     fate.slice_mut(ndarray::s![.., .., Fate::Missed as usize])

@@ -47,7 +47,9 @@ pub use table::deviation::{self, Deviations};
 pub use table::exact::{Exact, Jones, Path};
 pub use table::fate::Fate;
 pub use table::polygon;
-pub use table::provenance::{GENERATOR, GENERATOR_BEHIND_FRONT, GENERATOR_OF_ROUGH, Provenance};
+pub use table::provenance::{
+    GENERATOR, GENERATOR_BEHIND_FRONT, GENERATOR_OF_LOSSY_FRONT, GENERATOR_OF_ROUGH, Provenance,
+};
 pub use table::shards::{MOST_SHARDS, Shards};
 pub use table::symmetry::Symmetry;
 pub use table::table::Table;

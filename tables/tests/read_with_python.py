@@ -128,7 +128,7 @@ def main():
         "rays": ("incidence_deg", "azimuth_deg"),
         "fate": ("incidence_deg", "azimuth_deg", "fate_name"),
     }
-    exact = kind in ("exact", "symmetric", "trapped")
+    exact = kind in ("exact", "symmetric", "trapped", "lossy")
     if not exact:
         dims["counts"] = ("incidence_deg", "azimuth_deg", "randomisation", "shift_v", "shift_u")
         dims["fate_counts"] = ("incidence_deg", "azimuth_deg", "randomisation", "fate_name")
@@ -156,9 +156,10 @@ def main():
             )
         check(file.attrs["format"] == "retroreflective ray-shift table", "format")
         newer = kind == "deviations" or "options" in file.attrs
-        trapped = kind.startswith("trapped")
-        check(file.attrs["version"] == (3 if trapped else 2 if newer else 1), "version")
-        check(len(file["fate_name"]) == (11 if trapped else 10), "fates")
+        front = {"trapped": (3, 11), "lossy": (4, 12)}
+        version, fates = front.get(kind.split()[0], (2 if newer else 1, 10))
+        check(file.attrs["version"] == version, "version")
+        check(len(file["fate_name"]) == fates, "fates")
         check("d = -n cos(incidence) + t sin(incidence)" in file.attrs["frame"], "frame")
         check(file.attrs["content_hash"] == content, "content hash attribute")
         check(content_hash(file) == content, "content hash computed in Python")
@@ -219,7 +220,7 @@ def main():
     check(table["histogram"][1, 0, 3, 4] == float(probability), "read_table histogram")
     check(
         table["fate_name"][0] == "retroreflected"
-        and len(table["fate_name"]) == (11 if trapped else 10),
+        and len(table["fate_name"]) == fates,
         "read_table fates",
     )
     if kind == "deviations":

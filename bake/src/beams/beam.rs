@@ -157,7 +157,7 @@ impl Follower<'_> {
             is_lossy: self.rules.losses.is_some(),
         };
         let power = course.power();
-        self.settle(view.entrance_area * (1.0 - power), Fate::Absorbed);
+        self.settle(view.entrance_area * (1.0 - power), Fate::ReflectedByFront);
         let mut lit = 0.0;
         let base = view.shadows(&course.isometry);
         let periodic = view.lattice.is_some();
@@ -184,7 +184,7 @@ impl Follower<'_> {
             Fate::Missed => self.settle(unlit * power, Fate::Missed),
             through => {
                 let outside = course.power_outside(view.direction, index);
-                self.settle(unlit * (power - outside), Fate::Absorbed);
+                self.settle(unlit * (power - outside), Fate::Trapped);
                 self.settle(unlit * outside, through);
             }
         }
@@ -447,7 +447,7 @@ impl Follower<'_> {
             (beam.course.power() - inside).max(0.0)
         } else {
             let outside = beam.course.power_outside(toward, rules.refractive_index);
-            self.settle(rest * (beam.course.power() - outside), Fate::Absorbed);
+            self.settle(rest * (beam.course.power() - outside), Fate::Trapped);
             outside
         };
         match fate_of_leaving(isometry.linear, self.view.direction, reflections, rules) {

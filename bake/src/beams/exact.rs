@@ -199,7 +199,7 @@ pub(crate) fn bake(
     );
     let retroreflected =
         Array2::from_shape_fn((incidences, azimuths), |(i, a)| of(i, a).retroreflected);
-    let fates = Fate::of(rules.front).len();
+    let fates = rules.fates().len();
     let fate = Array3::from_shape_fn((incidences, azimuths, fates), |(i, a, k)| of(i, a).fate[k]);
     let exact = Exact {
         entrance_area: exact.entrance_area,

@@ -11,16 +11,18 @@ use meshes::Mesh;
 use tables::Table;
 use tables::cli::parsed;
 
-use crate::cli::{design, trace};
+use crate::cli::{datasheet, design, optimise, trace};
 use crate::error::Error;
 
+pub use crate::cli::datasheet::Sheets;
+pub use crate::cli::optimise::Best;
 pub use tables::cli::Refused;
 
-/// Caller of a bake: it is told the progress, and may stop the bake.
+/// Caller of a bake or of other long work: it is told the progress, and may stop the work.
 #[derive(Clone, Copy)]
 pub struct Caller<'a> {
-    /// Function that is told how many rays are done, and how many there are in all; `None` if the
-    /// bake runs to a tolerance.
+    /// Function that is told how many rays (steps, cells) are done, and how many there are in all;
+    /// `None` if the bake runs to a tolerance.
     ///
     /// The call may come from any thread.
     pub told: &'a (dyn Fn(u64, Option<u64>) + Sync),
@@ -58,6 +60,29 @@ pub fn trace(
     caller: Caller,
 ) -> Result<(Table, Vec<String>), Refused> {
     Ok(trace::called(&parsed(words)?, mesh, &caller)?)
+}
+
+/// Makes the data sheet of a cell, or of two compared, as `bake datasheet` does.
+///
+/// Meshes in memory take the places of the files.
+///
+/// # Errors
+/// Returns [`Refused`] if the words or a mesh cannot be used, or if the caller stopped it.
+pub fn datasheet(
+    words: &[OsString],
+    held: [Option<&Mesh>; 2],
+    caller: Caller,
+) -> Result<Sheets, Refused> {
+    Ok(datasheet::called(&parsed(words)?, held, &caller)?)
+}
+
+/// Searches the best cell of a goal, as `bake optimise` does.
+///
+/// # Errors
+/// Returns [`Refused`] if the words or the goal cannot be used, if no cell meets the goal, or if the
+/// caller stopped it.
+pub fn optimise(words: &[OsString], caller: Caller) -> Result<Best, Refused> {
+    Ok(optimise::called(&parsed(words)?, &caller)?)
 }
 
 /// Writes a mesh in the format that the extension of `output` names, as `bake design` does.

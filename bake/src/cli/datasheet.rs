@@ -1,6 +1,7 @@
 //! `bake datasheet`: reads its options, makes the data sheet of one cell or of two, and writes it.
 
 use crate::cell::Prepared;
+use crate::cli::calls::Caller;
 use crate::cli::cell::{CellArgs, IndexArgs};
 use crate::cli::display::ProgressDisplay;
 use crate::datasheet::{Datasheet, DatasheetRequest, datasheet, page, report, steps};
@@ -9,7 +10,9 @@ use crate::optics::material;
 use crate::plan::{default, heading};
 use crate::run::Progress;
 use clap::Args;
+use meshes::Mesh;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use tables::Outputs;
 use tables::cli::{in_a_line, list, number, print, reserve, warn, whole};
 use tables::options::SceneOptions;
@@ -165,33 +168,97 @@ fn kind(file: &Path) -> Result<Kind, Error> {
     }
 }
 
+/// Dissected cell, with the largest step between the digits of its mesh.
+type Dissected = (Prepared, Option<f64>);
+
+/// Reads the meshes. Those of `held`, in memory, take the places of the files.
+fn cells(args: &DatasheetArgs, held: [Option<&Mesh>; 2]) -> Result<Vec<Dissected>, Error> {
+    let dissected = |(file, held): (&Path, Option<&Mesh>)| {
+        let read = held.is_none().then(|| meshes::load(file)).transpose()?;
+        let mesh = held.or(read.as_ref()).ok_or(Error::Elsewhere)?;
+        let step = mesh.steps.iter().map(|step| step.max_element());
+        let step = step.max_by(f64::total_cmp);
+        let cell = args.cell.of_mesh(mesh, file, &SceneOptions::default())?;
+        Ok((Prepared::new(cell), step))
+    };
+    args.meshes().into_iter().zip(held).map(dissected).collect()
+}
+
+/// Makes the data sheets. `begin` is told the name of each, with the number of its steps.
+fn sheets(
+    args: &DatasheetArgs,
+    request: &DatasheetRequest,
+    cells: &[Dissected],
+    begin: impl Fn(&str, u64),
+    progress: Progress<'_>,
+) -> Result<Vec<Datasheet>, Error> {
+    let named = cells.iter().zip(names(&args.meshes()));
+    named
+        .map(|((prepared, step), name)| {
+            let index = request
+                .refractive_index
+                .or(prepared.cell().refractive_index);
+            begin(&name, steps(index.unwrap_or(1.0), request));
+            let sheet = datasheet(prepared, *step, request, progress)?;
+            Ok(Datasheet { name, ..sheet })
+        })
+        .collect()
+}
+
+/// Data sheets of one cell or two for another program.
+pub struct Sheets {
+    /// The page.
+    pub page: String,
+    /// Everything, as JSON.
+    pub json: String,
+    /// Warnings, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Makes the data sheets for another program. Nothing is printed or written.
+///
+/// # Errors
+/// Fails as [`run`] does, and if the caller stopped it.
+pub(super) fn called(
+    args: &DatasheetArgs,
+    held: [Option<&Mesh>; 2],
+    caller: &Caller,
+) -> Result<Sheets, Error> {
+    let request = args.request()?;
+    let cells = cells(args, held)?;
+    let (done, all) = (AtomicU64::new(0), AtomicU64::new(0));
+    let told = |steps| {
+        let done = steps + done.fetch_add(steps, Ordering::Relaxed);
+        (caller.told)(done, Some(all.load(Ordering::Relaxed)));
+    };
+    let begin = |_: &str, steps| {
+        all.fetch_add(steps, Ordering::Relaxed);
+    };
+    let progress = Progress::new(&told).stopped_by(caller.stop);
+    let sheets = sheets(args, &request, &cells, begin, progress)?;
+    let of_cells = cells.iter().flat_map(|(own, _)| &own.cell().warnings);
+    let warnings = of_cells.chain(sheets.iter().flat_map(|sheet| &sheet.remarks));
+    Ok(Sheets {
+        page: page(&sheets, "midair.datasheet"),
+        json: report::json(&sheets).to_string(),
+        warnings: warnings.cloned().collect(),
+    })
+}
+
 /// Runs `bake datasheet`.
 pub(crate) fn run(args: &DatasheetArgs) -> Result<(), Error> {
     let request = args.request()?;
     let kind = args.output.as_deref().map(kind).transpose()?;
-    let meshes = args.meshes();
-    let mut outputs = Outputs::beside(meshes.iter().copied());
+    let mut outputs = Outputs::beside(args.meshes());
     let output = reserve(args.output.as_deref(), &mut outputs)?;
-    let mut cells = Vec::new();
-    for &file in &meshes {
-        let mesh = meshes::load(file)?;
-        let step = mesh.steps.iter().map(|step| step.max_element());
-        let step = step.max_by(f64::total_cmp);
-        let cell = args.cell.of_mesh(&mesh, file, &SceneOptions::default())?;
-        warn(&cell.warnings);
-        cells.push((Prepared::new(cell), step));
+    let cells = cells(args, [None; 2])?;
+    for (prepared, _) in &cells {
+        warn(&prepared.cell().warnings);
     }
     let display = ProgressDisplay::of_steps();
-    let mut sheets: Vec<Datasheet> = Vec::new();
-    for ((prepared, step), name) in cells.iter().zip(names(&meshes)) {
-        let index = request
-            .refractive_index
-            .or(prepared.cell().refractive_index);
-        display.begin(&name, steps(index.unwrap_or(1.0), &request));
-        let told = |steps: u64| display.advance(steps);
-        let sheet = datasheet(prepared, *step, &request, Progress::new(&told))?;
-        sheets.push(Datasheet { name, ..sheet });
-    }
+    let told = |steps: u64| display.advance(steps);
+    let begin = |name: &str, steps| display.begin(name, steps);
+    let sheets = sheets(args, &request, &cells, begin, Progress::new(&told))?;
     display.finish();
     for sheet in &sheets {
         warn(&sheet.remarks);

@@ -174,7 +174,15 @@ fn made(name: &str, args: &DesignArgs) -> Result<Mesh, Error> {
 /// Fails as [`run`] does, but for the file.
 pub(super) fn read_back(args: &DesignArgs) -> Result<Mesh, Error> {
     let name = args.name.as_deref().unwrap_or_default();
-    let text = meshes::write::obj(&made(name, args)?);
+    as_read(&made(name, args)?)
+}
+
+/// Returns a mesh as it is read from the OBJ file that it would be written to.
+///
+/// # Errors
+/// Returns [`Error::Usage`] if it cannot be read.
+pub(super) fn as_read(mesh: &Mesh) -> Result<Mesh, Error> {
+    let text = meshes::write::obj(mesh);
     meshes::obj::parse(text.as_bytes()).map_err(wrong)
 }
 

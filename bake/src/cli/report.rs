@@ -114,7 +114,7 @@ impl Trace<'_> {
 /// Returns one line for each direction: angles, eta, its error, and the other fates that occur.
 pub(crate) fn directions_text(table: &Table) -> String {
     let mut text = String::from("incidence  azimuth  retroreflected  std. error  other fates\n");
-    let fates = Fate::of(table.provenance.options.front());
+    let fates = table.fates();
     for ((i, a), &eta) in table.retroreflected.indexed_iter() {
         let azimuth = table.axes.azimuth_deg[a];
         let azimuth = if azimuth.is_nan() {
@@ -144,7 +144,8 @@ pub(crate) fn directions_text(table: &Table) -> String {
 pub(crate) fn directions_json(table: &Table) -> Value {
     let (deviations, azimuths) = (table.deviations.as_ref(), table.axes.azimuth_deg.len());
     let direction = |((i, a), &eta): ((usize, usize), &f64)| {
-        let fates: serde_json::Map<String, Value> = Fate::of(table.provenance.options.front())
+        let fates: serde_json::Map<String, Value> = table
+            .fates()
             .iter()
             .map(|&fate| (fate.name().into(), json!(table.fate[[i, a, fate as usize]])))
             .collect();

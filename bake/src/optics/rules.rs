@@ -42,6 +42,14 @@ pub(crate) struct Rules {
 }
 
 impl Rules {
+    /// Returns the fates that light can have, in the order of the file.
+    pub(crate) fn fates(&self) -> &'static [Fate] {
+        Fate::of(
+            self.front,
+            self.losses.is_some() && self.refractive_index > 1.0,
+        )
+    }
+
     /// Returns whether light that the front face reflects goes on.
     pub(crate) fn follows_the_front(&self) -> bool {
         self.front == Front::Trapped

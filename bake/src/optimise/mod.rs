@@ -11,7 +11,7 @@ mod evolve;
 mod goal;
 pub(crate) mod report;
 
-pub(crate) use answer::optimise;
+pub(crate) use answer::{Answer, optimise};
 pub(crate) use goal::{Best, Goal};
 #[cfg(test)]
-pub(crate) use {answer::Answer, candidate::Candidate, evolve::Merit, evolve::evolve};
+pub(crate) use {candidate::Candidate, evolve::Merit, evolve::evolve};

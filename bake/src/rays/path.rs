@@ -241,7 +241,7 @@ impl RayPath {
     /// Takes the path through the entrance; returns the fate if the path ends there.
     pub(crate) fn enter(&self) -> Result<(), Fate> {
         self.photon.as_ref().map_or(Ok(()), |photon| {
-            photon.survive(photon.light.power(), Fate::Absorbed)
+            photon.survive(photon.light.power(), Fate::ReflectedByFront)
         })
     }
 
@@ -351,7 +351,7 @@ impl RayPath {
                 if let Some(photon) = &self.photon {
                     let travel = self.course.direction;
                     let outside = photon.light.power_outside(travel, rules.refractive_index);
-                    photon.survive(outside, Fate::Absorbed)?;
+                    photon.survive(outside, Fate::Trapped)?;
                 }
                 Err(self.course.left(direction, rules))
             }

@@ -17,7 +17,10 @@ pub(crate) fn provenance(
 ) -> Provenance {
     Provenance {
         generator: match plan.scene.roughness {
-            _ if plan.index_of(cell) > 1.0 => tables::GENERATOR_BEHIND_FRONT,
+            _ if plan.index_of(cell) > 1.0 => match plan.losses {
+                Some(_) => tables::GENERATOR_OF_LOSSY_FRONT,
+                None => tables::GENERATOR_BEHIND_FRONT,
+            },
             None => tables::GENERATOR,
             Some(_) => tables::GENERATOR_OF_ROUGH,
         }

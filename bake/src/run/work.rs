@@ -11,10 +11,10 @@ use ndarray::{Array4, Array5};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use tables::Table;
 use tables::cli::pool;
 use tables::deviation::{Deviations, Entry, Grid};
 use tables::options::Method;
-use tables::{Fate, Table};
 
 /// Largest memory for exit directions, bytes: half of what a table may take.
 const MOST_EXITS: u64 = 1 << 30;
@@ -177,7 +177,7 @@ impl<'a> Work<'a> {
         let axes = self.bake.axes.clone();
         let ((ni, na), nb, nr) = (axes.shape(), axes.bins, self.bake.plan.randomisations);
         let mut counts = Array5::zeros((ni, na, nr, nb, nb));
-        let nf = Fate::of(self.bake.rules.front).len();
+        let nf = self.bake.rules.fates().len();
         let mut fates = Array4::zeros((ni, na, nr, nf));
         let by_direction = counts.exact_chunks_mut((1, 1, nr, nb, nb)).into_iter();
         let fates_by_direction = fates.exact_chunks_mut((1, 1, nr, nf)).into_iter();

@@ -4,6 +4,7 @@
 //! - [`compare`]: sheets side by side.
 //! - [`explore`]: one page that computes mid-air images in a browser.
 //! - [`export`]: the nearest lobe of a sheet for other renderers.
+//! - [`plan`]: a planned campaign as a page to print.
 //! - [`report`]: plots and the page of an estimate.
 
 #![forbid(unsafe_code)]
@@ -13,6 +14,7 @@ mod error;
 pub mod explore;
 pub mod export;
 pub mod images;
+pub mod plan;
 pub mod report;
 #[cfg(test)]
 mod tests;

@@ -17,7 +17,7 @@ use tables::cli::{self as terminal, parsed};
 use crate::cli::estimate::{Estimation, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::host::Host;
-use crate::cli::lab::{simulate, study};
+use crate::cli::lab::{plan, simulate, study};
 use crate::cli::options::by_hand::Numbers;
 use crate::cli::options::parse;
 use crate::cli::pictures::{explore, render};
@@ -235,6 +235,38 @@ pub fn explore(
     let title = "estimate in Python".into();
     let made = explore::made(&arguments, sheet, title, source, SILENT)?;
     Ok((made.html, output::json(&made.facts)))
+}
+
+/// Plan of photographs.
+pub struct Photographs {
+    /// The plan, as JSON.
+    pub json: String,
+    /// Manifest to fill in.
+    pub manifest: String,
+    /// Page to print.
+    pub page: String,
+    /// Warnings about the result that the plan builds on.
+    pub warnings: Vec<String>,
+}
+
+/// Plans photographs, as `fit plan` does.
+///
+/// `given` takes the place of the file of `--given`, and `table` that of `--table`.
+///
+/// # Errors
+/// Returns [`Refused`] if the words, the plan, the table or the result cannot be used.
+pub fn plan(
+    words: &[OsString],
+    table: &Table,
+    given: Option<&ResultFile>,
+) -> Result<Photographs, Refused> {
+    let made = plan::made(&parsed(words)?, table, given)?;
+    Ok(Photographs {
+        json: output::json(&made.planned),
+        page: made.page("midair.plan"),
+        manifest: made.manifest,
+        warnings: made.warnings,
+    })
 }
 
 /// Writes a synthetic campaign, as `fit simulate --json` does.

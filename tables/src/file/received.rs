@@ -168,7 +168,7 @@ pub(crate) fn table(from: impl BufRead) -> io::Result<Table> {
     let counted = if items.name == "counts" {
         let counts = items.integers("counts")?;
         let fates = items.integers("fate_counts")?;
-        // The fates are 10 or 11. `check` compares them with the options.
+        // `check` compares the number of fates with the options.
         let r = counts.len() / (i * j * b * b).max(1);
         let f = fates.len() / (i * j * r).max(1);
         Some((

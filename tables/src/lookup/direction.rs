@@ -120,7 +120,7 @@ impl Table {
     /// #     incidence_deg: vec![0.0, 10.0], azimuth_deg: vec![0.0], bins: 2, range: 2.0,
     /// # };
     /// # let counts = Array5::from_shape_fn((2, 1, 1, 2, 2), |(i, ..)| if i == 0 { 2 } else { 1 });
-    /// # let mut fates = Array4::zeros((2, 1, 1, Fate::of(Front::Once).len()));
+    /// # let mut fates = Array4::zeros((2, 1, 1, Fate::of(Front::Once, false).len()));
     /// # for i in 0..2 {
     /// #     fates[[i, 0, 0, Fate::Retroreflected as usize]] = [8, 4][i];
     /// #     fates[[i, 0, 0, Fate::Missed as usize]] = [2, 6][i];

@@ -81,7 +81,11 @@ pub(crate) fn differs(
 ) -> Error {
     Error::Merge {
         fault: format!("{field} of table {index} is {found}, that of the first is {expected}"),
-        remedy: "merge tables of one design and method only".into(),
+        remedy: match field {
+            "generator" => "bake the table of the lower number again: other rules made it",
+            _ => "merge tables of one design and method only",
+        }
+        .into(),
     }
 }
 
@@ -163,6 +167,7 @@ fn same(first: &Table, table: &Table, index: usize) -> Result<(), Error> {
         "metal_index" = |t| &t.provenance.metal_index,
         "options" = |t| t.provenance.options.text(),
         "generator" = |t| level(&t.provenance.generator),
+        "fate_name" = |t| t.fates().last().map(|fate| fate.name()),
         "bins" = |t| t.axes.bins,
         "shift_range" = |t| t.axes.range,
     );

@@ -149,8 +149,8 @@ fn shape(array: &str, found: &[usize], expected: &[usize]) -> Result<(), Invalid
 /// Checks that all arrays have the shapes that follow from the axes.
 fn shapes(table: &Table) -> Result<(), Invalid> {
     let (i, j) = table.axes.shape();
-    let fates = Fate::of(table.provenance.options.front());
-    let (b, f) = (table.axes.bins, fates.len());
+    let columns = *table.fate.shape().last().unwrap_or(&0);
+    let (b, f) = (table.axes.bins, table.provenance.fates(columns).len());
     shape("histogram", table.histogram.shape(), &[i, j, b, b])?;
     shape("retroreflected", table.retroreflected.shape(), &[i, j])?;
     shape("standard_error", table.standard_error.shape(), &[i, j])?;

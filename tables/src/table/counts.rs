@@ -14,7 +14,7 @@ impl Table {
     /// Returns the table that follows from numbers of rays.
     ///
     /// `counts` is `[incidence, azimuth, randomisation, v, u]`. `fate_counts` is `[incidence,
-    /// azimuth, randomisation, fate]` in the order of [`Fate::of`] the provenance's front.
+    /// azimuth, randomisation, fate]` in the order of [`Provenance::fates`].
     ///
     /// - `histogram` = counts / their sum, all 0 where nothing returned inside the histogram.
     /// - `retroreflected` = (retroreflected + out_of_range) / rays, 0 where no ray was launched.
@@ -43,7 +43,7 @@ impl Table {
             counts.shape(),
             [incidences, azimuths, randomisations, axes.bins, axes.bins]
         );
-        let fates = Fate::of(provenance.options.front()).len();
+        let fates = provenance.fates(fate_counts.shape()[3]).len();
         assert_eq!(
             fate_counts.shape(),
             [incidences, azimuths, randomisations, fates]

@@ -20,8 +20,8 @@ pub enum Fate {
     Deviated,
     /// Went through a facet where total internal reflection failed.
     Transmitted,
-    /// Absorbed by a facet, met one from behind, or was reflected by the front face on the way in
-    /// or out.
+    /// Absorbed by a facet, or met one from behind. In older tables, which have no
+    /// [`Fate::ReflectedByFront`], also reflected by the front face on the way in or out.
     Absorbed,
     /// Hit nothing.
     Missed,
@@ -29,14 +29,16 @@ pub enum Fate {
     OutOfRange,
     /// Was stopped after the greatest allowed number of reflections.
     BounceLimit,
-    /// Had not left through the front face when it was given up. Only tables with `--front trapped`
-    /// have it.
+    /// Was sent back inside by the front face (of a plate, the back face), and had not left when it
+    /// was given up: at once without `--front trapped`.
     Trapped,
+    /// Reflected by the front face on the way in.
+    ReflectedByFront,
 }
 
 impl Fate {
     /// All fates, in the order of the file.
-    pub const ALL: [Fate; 11] = [
+    pub const ALL: [Fate; 12] = [
         Fate::Retroreflected,
         Fate::LeftAfter1,
         Fate::LeftAfter2,
@@ -48,14 +50,19 @@ impl Fate {
         Fate::OutOfRange,
         Fate::BounceLimit,
         Fate::Trapped,
+        Fate::ReflectedByFront,
     ];
 
     /// Returns the fates of tables whose front face treats light in this way, in the order of the
     /// file.
-    pub fn of(front: Front) -> &'static [Fate] {
+    ///
+    /// `reflects` says whether the front face reflects a part of all light: losses are counted, and
+    /// the refractive index is above 1.
+    pub fn of(front: Front, reflects: bool) -> &'static [Fate] {
         match front {
+            _ if reflects => &Fate::ALL,
             Front::Once => &Fate::ALL[..Fate::Trapped as usize],
-            Front::Trapped => &Fate::ALL,
+            Front::Trapped => &Fate::ALL[..Fate::ReflectedByFront as usize],
         }
     }
 
@@ -73,6 +80,7 @@ impl Fate {
             Fate::OutOfRange => "out_of_range",
             Fate::BounceLimit => "bounce_limit",
             Fate::Trapped => "trapped",
+            Fate::ReflectedByFront => "reflected_by_front",
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Origin of a table.
 
 use crate::options::{Back, Element, Losses, Method, Sampler, StatedOptions, Word};
+use crate::table::fate::Fate;
 use crate::table::shards::Shards;
 use crate::table::symmetry::Symmetry;
 
@@ -10,8 +11,8 @@ use crate::table::symmetry::Symmetry;
 /// when equal options give other numbers. So tables of two versions of a program can be merged as
 /// long as their rays are of one kind.
 ///
-/// Tables of rough facets have [`GENERATOR_OF_ROUGH`], and those of a refractive index above 1
-/// [`GENERATOR_BEHIND_FRONT`].
+/// Tables of rough facets have [`GENERATOR_OF_ROUGH`], those of a refractive index above 1
+/// [`GENERATOR_BEHIND_FRONT`], and those of such an index with losses [`GENERATOR_OF_LOSSY_FRONT`].
 pub const GENERATOR: &str = "airr ray-shift table 1";
 
 /// Generator that a bake writes into tables of rough facets.
@@ -24,6 +25,12 @@ pub const GENERATOR_OF_ROUGH: &str = "airr ray-shift table 2";
 /// Programs before 27 November 2026 took the angle of light that leaves straight back by another
 /// map inside the sheet, and wrote [`GENERATOR`] or [`GENERATOR_OF_ROUGH`].
 pub const GENERATOR_BEHIND_FRONT: &str = "airr ray-shift table 3";
+
+/// Generator that a bake writes into tables of a refractive index above 1 with losses.
+///
+/// Programs before 28 November 2026 counted light that the front face reflects as absorbed, and
+/// wrote the other generators.
+pub const GENERATOR_OF_LOSSY_FRONT: &str = "airr ray-shift table 4";
 
 /// Generators of earlier programs that give the numbers of [`GENERATOR`].
 const EARLIER: [&str; 1] = ["bake 0.1.0"];
@@ -48,7 +55,7 @@ pub(crate) fn sampler(text: String) -> Option<Word<Sampler>> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Provenance {
     /// Rule that made the numbers; in bakes of this version [`GENERATOR`],
-    /// [`GENERATOR_OF_ROUGH`] or [`GENERATOR_BEHIND_FRONT`].
+    /// [`GENERATOR_OF_ROUGH`], [`GENERATOR_BEHIND_FRONT`] or [`GENERATOR_OF_LOSSY_FRONT`].
     pub generator: String,
     /// Name of the cell's design.
     pub design: String,
@@ -133,6 +140,21 @@ impl Provenance {
                 )
             }
             None => format!("{}, bare facets", self.losses),
+        }
+    }
+
+    /// Returns the fates of a table that has `columns` of them, in the order of the file.
+    ///
+    /// Only tables whose front face reflects light have [`Fate::ReflectedByFront`], and older ones
+    /// of them lack it. Any other number is none that such a table may have; the fates are then
+    /// those that it should have.
+    pub fn fates(&self, columns: usize) -> &'static [Fate] {
+        let front = self.options.front();
+        let older = Fate::of(front, false);
+        let reflects = self.losses.is(Losses::Fresnel) && self.refractive_index > 1.0;
+        match columns == older.len() {
+            true => older,
+            false => Fate::of(front, reflects),
         }
     }
 

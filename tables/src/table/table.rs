@@ -11,6 +11,7 @@ use crate::table::axes::Axes;
 use crate::table::exact::Exact;
 
 use crate::table::deviation::Deviations;
+use crate::table::fate::Fate;
 use crate::table::provenance::Provenance;
 
 /// Ray-shift table.
@@ -28,7 +29,7 @@ pub struct Table {
     /// Standard error of `retroreflected`; 0 for an exact table.
     pub standard_error: Array2<f64>,
     /// Share of the launched rays by fate `[incidence, azimuth, fate]`, in the order of
-    /// [`Fate::of`](crate::Fate::of) the options' front; sums to 1.
+    /// [`Table::fates`]; sums to 1.
     pub fate: Array3<f64>,
     /// Rays by fate `[incidence, azimuth, randomisation, fate]`; `None` for an exact table.
     pub fate_counts: Option<Array4<u64>>,
@@ -46,6 +47,11 @@ pub struct Table {
 }
 
 impl Table {
+    /// Returns the fates of the light, in the order of the file.
+    pub fn fates(&self) -> &'static [Fate] {
+        self.provenance.fates(self.fate.dim().2)
+    }
+
     /// Returns the table of some of its directions, named by their indices.
     ///
     /// It equals a bake of these directions alone.

@@ -180,7 +180,7 @@ fn changed_attributes_and_numbers_are_refused() {
     Bench::new().refuses(
         "\
 text format star catalogue | attribute format is \"star catalogue\"
-whole version 4 | is of format version 4, this program reads 1 to 3
+whole version 5 | is of format version 5, this program reads 1 to 4
 whole version 0 | is of format version 0
 text version 1 | attribute version is
 delete design | attribute design is missing
@@ -367,6 +367,11 @@ fn numbers_that_are_not_finite_are_refused_in_every_dataset() {
 fn bad_light_behind_a_front_is_refused() {
     Bench::of(&sample::exact())
         .refuses("text options --front trapped | dataset fate_name has shape [10], expected [11]");
+    Bench::of(&sample::lossy()).refuses(
+        "\
+text losses none | dataset fate_name has shape [12], expected [10]
+number refractive_index 1 | dataset fate_name has shape [12], expected [10]",
+    );
     let bench = Bench::of(&sample::trapped());
     bench.refuses(
         "\

@@ -31,6 +31,8 @@ fn kinds() -> Vec<(&'static str, Table)> {
         ("exact with a symmetry", sample::symmetric()),
         ("rays behind a front", sample::trapped_rays()),
         ("exact behind a front", sample::trapped()),
+        ("exact with losses", sample::lossy()),
+        ("rays with losses", sample::lossy_rays()),
         ("exact, nothing returns", pathless),
     ]
 }
@@ -68,7 +70,7 @@ fn every_kind_of_table_comes_back_bit_for_bit() {
         }
         tried += 1;
     }
-    assert_eq!(tried, 9);
+    assert_eq!(tried, 11);
 }
 
 #[test]

@@ -311,5 +311,16 @@ fn generators_of_one_level_merge() {
     later.provenance.generator = "airr ray-shift table 2".into();
     assert!(!old.provenance.is_of_the_bake(&later.provenance));
     later.provenance.seed += 2;
-    refused(&[old, later], &["generator of table 1 is"]);
+    refused(
+        &[old, later],
+        &["generator of table 1 is", "bake the table"],
+    );
+    // A table that lacks a fate cannot be added, whatever it says of its generator.
+    let newer = sample::lossy_rays();
+    let (counts, fates) = (newer.counts.clone(), newer.fate_counts.clone());
+    let older = fates.unwrap().slice(s![.., .., .., ..10]).to_owned();
+    let from = newer.provenance.clone();
+    let mut older = Table::from_counts(newer.axes.clone(), counts.unwrap(), older, from);
+    older.provenance.seed += 2;
+    refused(&[newer, older], &["fate_name of table 1 is"]);
 }

@@ -27,6 +27,8 @@ fn h5py_and_xarray_read_every_kind_of_table() {
         ("symmetric", sample::symmetric()),
         ("trapped", sample::trapped()),
         ("trapped rays", sample::trapped_rays()),
+        ("lossy", sample::lossy()),
+        ("lossy rays", sample::lossy_rays()),
     ] {
         let file = folder.path().join(kind).with_extension("h5");
         write(&table, &file).unwrap();
@@ -56,5 +58,5 @@ fn h5py_and_xarray_read_every_kind_of_table() {
         assert!(out.starts_with("checks passed: "), "{kind}: {out}");
         tried += 1;
     }
-    assert_eq!(tried, 8);
+    assert_eq!(tried, 10);
 }

@@ -141,7 +141,7 @@ impl Program {
             deviations: Vec::new(),
             entry: light.map(|light| Loss {
                 power: light.power(),
-                fate: Fate::Absorbed,
+                fate: Fate::ReflectedByFront,
             }),
         };
         let mut builder = Builder {
@@ -291,7 +291,7 @@ impl Builder<'_> {
         };
         let loss = line.light.map(|light| Loss {
             power: light.power_outside(line.direction, self.rules.refractive_index),
-            fate: Fate::Absorbed,
+            fate: Fate::Trapped,
         });
         self.step(bounces, Vec::new(), end, loss)
     }

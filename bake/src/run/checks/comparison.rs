@@ -210,7 +210,9 @@ impl<'a> Counting<'a> {
         let (i, j) = self.at;
         let etas = [a, b].map(|table| table.retroreflected[[i, j]]);
         let mut largest = (etas[0] - etas[1]).abs() / self.of_eta(etas);
-        for (&p, &q) in (a.fate.slice(s![i, j, ..]).iter()).zip(b.fate.slice(s![i, j, ..])) {
+        let common = a.fates().len().min(b.fates().len());
+        let [of_a, of_b] = [a, b].map(|table| fates(table, self.at, common));
+        for (p, q) in of_a.into_iter().zip(of_b) {
             largest = largest.max((p - q).abs() / self.of(self.sigmas * self.error([p, q])));
         }
         let mut bins = bins.clone();
@@ -265,6 +267,15 @@ impl<'a> Counting<'a> {
         };
         self.of(self.sigmas * error)
     }
+}
+
+/// Returns the first `common` fates of a direction. Older tables count the light of the others as
+/// absorbed.
+fn fates(table: &Table, (i, j): (usize, usize), common: usize) -> Vec<f64> {
+    let mut shares = table.fate.slice(s![i, j, ..]).to_vec();
+    let more: f64 = shares.drain(common..).sum();
+    shares[Fate::Absorbed as usize] += more;
+    shares
 }
 
 /// Returns the L1 distance of the probabilities of bins that counting explains on average.

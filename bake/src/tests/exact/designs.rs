@@ -125,7 +125,8 @@ pub(crate) fn chi_square_sigmas(exact: &Table, traced: &Table, (i, a): (usize, u
     };
     let rays = traced.rays[[i, a]] as f64;
     let share = |fate: Fate| exact.fate[[i, a, fate as usize]];
-    let lost = Fate::of(exact.provenance.options.front())
+    let lost = exact
+        .fates()
         .iter()
         .copied()
         .filter(|&fate| fate != Fate::Retroreflected);

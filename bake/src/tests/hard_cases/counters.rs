@@ -119,7 +119,7 @@ fn more_than_2_to_the_34_rays() {
     let small = bake(&cell(Shape::Triangular), &request);
     let shape = (1, 1, 2, 4, 4);
     let counts = Array5::from_shape_vec(shape, sums.counts.clone()).expect("its shape");
-    let known = Fate::of(Front::Once).len();
+    let known = Fate::of(Front::Once, false).len();
     let fates = sums.fates.iter().flat_map(|fates| &fates[..known]);
     let fates: Vec<u64> = fates.copied().collect();
     let fates = Array4::from_shape_vec((1, 1, 2, known), fates).expect("its shape");

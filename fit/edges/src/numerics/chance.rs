@@ -20,6 +20,12 @@ pub fn of_least(least: f64, count: usize) -> f64 {
     -(count as f64 * (-least).ln_1p()).exp_m1()
 }
 
+/// Returns the probability that a standard normal number is at most `value`.
+pub fn of_normal(value: f64) -> f64 {
+    let beyond = 0.5 * of_squares(value * value, 1);
+    if value > 0.0 { 1.0 - beyond } else { beyond }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -39,7 +45,11 @@ mod tests {
                 (of_squares(squares, 1) / one - 1.0).abs() < 1e-9,
                 "{squares}"
             );
-            cases += 2;
+            for (value, sign) in [(squares.sqrt(), 1.0), (-squares.sqrt(), -1.0)] {
+                let below = 0.5 * (1.0 + sign * libm::erf((0.5 * squares).sqrt()));
+                assert!((of_normal(value) - below).abs() < 1e-12, "{value}");
+            }
+            cases += 4;
         }
         for (squares, freedom, chance) in [
             (3.841_46, 1, 0.05),
@@ -53,7 +63,7 @@ mod tests {
             assert!(off.abs() < 1e-4, "{squares} of {freedom}: {off}");
             cases += 1;
         }
-        assert_eq!(cases, 16);
+        assert_eq!((cases, of_normal(0.0)), (26, 0.5));
     }
 
     /// Compares tens of thousands of degrees of freedom, as a campaign has, with the cube root of

@@ -56,6 +56,7 @@ use edges::photographs::edge::line::{Bend, ORDERS};
 
 /// Edge profile of a trial model, with its derivatives by the fitted parameters: ln spread, ln c,
 /// the variances of further blurs, then those of the lens.
+#[derive(Clone)]
 pub struct Curves {
     value: Even,
     by: Vec<Even>,
@@ -513,6 +514,16 @@ impl FittedPhotograph {
 }
 
 impl Curves {
+    /// Returns these curves with those of a rival model behind them: its derivatives, and as the last
+    /// one the difference between the two (rival less this).
+    pub fn beside(&self, rival: Curves) -> Curves {
+        let difference = rival.value.less(&self.value);
+        let mut both = self.clone();
+        both.by.extend(rival.by);
+        both.by.push(difference);
+        both
+    }
+
     /// Returns the moments of the value and of its derivatives, see [`Even::moment`].
     fn moments(&self, reach: usize) -> Vec<Even> {
         let all = std::iter::once(&self.value).chain(&self.by);

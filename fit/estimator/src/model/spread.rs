@@ -106,11 +106,20 @@ impl Grid {
 }
 
 /// Edge profile averaged over evenly filled bins: one period, with the edge in the middle of bin 0.
+#[derive(Clone)]
 pub(crate) struct Even {
     values: Vec<f64>,
 }
 
 impl Even {
+    /// Returns this profile less another one.
+    pub(crate) fn less(&self, other: &Even) -> Even {
+        let pairs = self.values.iter().zip(&other.values);
+        Even {
+            values: pairs.map(|(own, other)| own - other).collect(),
+        }
+    }
+
     /// Returns the first moment of the line spread up to each place, with its sign changed: the
     /// integral of -s E'(s), pixels. It starts at `reach` bins before the edge, and stays constant
     /// beyond `reach` bins behind it.

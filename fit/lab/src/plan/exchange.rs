@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::plan::information::{Foreseen, Information};
 use crate::plan::request::Plan;
+use crate::plan::rival::left;
 use edges::names::ParameterKind;
 
 /// Information on every unknown before a photograph is taken, so that the first ones can be
@@ -37,8 +38,15 @@ impl Search<'_> {
         plan: &Plan,
     ) -> Search<'a> {
         let mut before = foreseen.before(known);
-        for normal in [&mut before.blur, &mut before.whole] {
-            for i in 0..normal.nrows() {
+        let (blur, whole) = (before.blur.nrows(), before.whole.nrows());
+        let rival = before.rival.nrows().saturating_sub(1);
+        let known = [
+            (&mut before.blur, blur),
+            (&mut before.whole, whole),
+            (&mut before.rival, rival),
+        ];
+        for (normal, unknowns) in known {
+            for i in 0..unknowns {
                 normal[(i, i)] += VAGUE;
             }
         }
@@ -124,8 +132,12 @@ impl Search<'_> {
         best.unwrap_or((0, f64::INFINITY))
     }
 
-    /// Returns the mean over the beliefs of the logarithm of the summed variances, with the
-    /// information `sums` and that of one more candidate.
+    /// Returns the mean over the beliefs of the logarithm of the summed variances, less that of the
+    /// chi-square which tells kernels apart, with the information `sums` and that of one more
+    /// candidate.
+    ///
+    /// So half the variance counts as much as twice the chi-square. A chi-square below 1, as noise
+    /// alone gives, hardly counts.
     fn measure(&self, sums: &[Information], more: Option<usize>) -> f64 {
         let points = sums.iter().enumerate().map(|(point, sum)| {
             let tells = more.map(|i| self.foreseen.tells(i, point));
@@ -145,7 +157,15 @@ impl Search<'_> {
             if !self.mu.is_empty() {
                 count(with(&sum.whole, tells.map(|own| &own.whole)), &self.mu);
             }
-            variance.ln()
+            let mut goal = if self.blur.is_empty() && self.mu.is_empty() {
+                0.0
+            } else {
+                variance.ln()
+            };
+            if !sum.rival.is_empty() {
+                goal -= left(&with(&sum.rival, tells.map(|own| &own.rival)), 0).ln_1p();
+            }
+            goal
         });
         points.sum::<f64>() / sums.len() as f64
     }

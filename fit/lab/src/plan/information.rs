@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use tables::Table;
 
 use crate::plan::request::{Choices, Edge, Own, Plan};
-use crate::plan::seen::{BRIGHT, Seen, pattern, planted_camera};
+use crate::plan::rival::Apart;
+use crate::plan::seen::{BRIGHT, Seen, Setup, pattern, planted_camera};
 use crate::plan::{Error, Expected, Photograph};
 use edges::names::{ParameterId, ParameterKind};
 use estimator::estimate::{Choice, Layout};
@@ -20,12 +21,8 @@ const LEAST_ETA: f64 = 0.02;
 /// A photograph that could be taken.
 #[derive(Debug, Clone)]
 pub(crate) struct Candidate {
-    /// Floating distance, mm.
-    pub floating_distance_mm: f64,
-    /// Incidence, degrees.
-    pub incidence_deg: f64,
-    /// Azimuth, degrees.
-    pub azimuth_deg: f64,
+    /// Place and direction.
+    pub setup: Setup,
     /// Edge.
     pub edge: Edge,
     /// Retroreflected share.
@@ -45,6 +42,9 @@ pub(crate) struct Information {
     pub blur: DMatrix<f64>,
     /// Of all, in the order blur, lens, ln mu (one or more), ln step.
     pub whole: DMatrix<f64>,
+    /// Products of the other kernel's derivatives by its blur and the lens, and of its difference to
+    /// the believed one; empty if there is no other.
+    pub rival: DMatrix<f64>,
 }
 
 /// Places of the unknowns.
@@ -54,12 +54,15 @@ pub(crate) struct Unknowns {
     pub blur: usize,
     /// Number of mu.
     pub mu: usize,
+    /// Size of the products of the other kernel, 0 without one.
+    pub rival: usize,
 }
 
 impl Information {
     /// Creates the information of nothing.
-    pub(crate) fn none(Unknowns { blur, mu }: Unknowns) -> Information {
+    pub(crate) fn none(Unknowns { blur, mu, rival }: Unknowns) -> Information {
         Information {
+            rival: DMatrix::zeros(rival, rival),
             blur: DMatrix::zeros(blur, blur),
             whole: DMatrix::zeros(blur + mu + 1, blur + mu + 1),
         }
@@ -69,20 +72,27 @@ impl Information {
     pub(crate) fn add(&mut self, other: &Information) {
         self.blur += &other.blur;
         self.whole += &other.whole;
+        self.rival += &other.rival;
     }
 
     /// Takes that of another source away.
     pub(crate) fn take(&mut self, other: &Information) {
         self.blur -= &other.blur;
         self.whole -= &other.whole;
+        self.rival -= &other.rival;
     }
 
     /// Makes it from rows (ln step, derivatives by blur and lens), whose derivatives belong to
-    /// `columns`. The step depends on that mu, if on any.
+    /// `columns`. The step depends on that mu, if on any. The other kernel is left out, except for
+    /// the lens of the source edge, which has no mu.
     pub(crate) fn of(
         rows: &DMatrix<f64>,
         columns: &[usize],
-        Unknowns { blur, mu: several }: Unknowns,
+        Unknowns {
+            blur,
+            mu: several,
+            rival,
+        }: Unknowns,
         mu: Option<usize>,
     ) -> Information {
         let width = blur + several + 1;
@@ -96,16 +106,22 @@ impl Information {
         if let Some(mu) = mu {
             tied.set_column(blur + mu, &rows.column(0));
         }
+        let own = free.tr_mul(&free);
+        let mut other = DMatrix::zeros(rival, rival);
+        if mu.is_none() && rival > 0 {
+            other.view_mut((0, 0), (blur, blur)).copy_from(&own);
+        }
         Information {
-            blur: free.tr_mul(&free),
+            blur: own,
             whole: tied.tr_mul(&tied),
+            rival: other,
         }
     }
 }
 
 /// Everything that could be photographed, with what it would tell.
 pub(crate) struct Foreseen<'a> {
-    plan: &'a Plan,
+    seen: Seen<'a>,
     /// Parameters of the blur, then mu.
     pub parameters: Vec<ParameterId>,
     unknowns: Unknowns,
@@ -119,33 +135,13 @@ pub(crate) struct Foreseen<'a> {
 
 impl<'a> Foreseen<'a> {
     /// Computes what each photograph would tell.
-    pub(crate) fn new(plan: &'a Plan, table: &Table) -> Result<Foreseen<'a>, Error> {
-        let Choices {
-            floating_distance_mm,
-            incidence_deg,
-            azimuth_deg,
-            ..
-        } = &plan.choices;
-        let mut directions = Vec::new();
-        for &incidence in incidence_deg {
-            for &azimuth in azimuth_deg {
-                let eta = table.direction(incidence, Some(azimuth));
-                let eta = eta.map_err(estimator::Error::from)?.retroreflected;
-                directions.push((incidence, azimuth, eta));
-            }
-        }
-        let all = directions.len();
-        directions.retain(|&(.., eta)| eta >= LEAST_ETA);
-        let per_direction = floating_distance_mm.len() * plan.choices.edge.len();
-        let dark = (all - directions.len()) * per_direction;
-        let Some(&(first, turned, _)) = directions.first() else {
+    pub(crate) fn new(plan: &'a Plan, table: &'a Table) -> Result<Foreseen<'a>, Error> {
+        let (setups, dark) = setups(&plan.choices, table)?;
+        let Some(&(first, _)) = setups.first() else {
             return Err(Error::Dark);
         };
-        let pattern = pattern(plan, table, [first, turned])?;
-        let mut angles: Vec<f64> = directions
-            .iter()
-            .map(|&(incidence, ..)| incidence)
-            .collect();
+        let pattern = pattern(plan, table, [first.incidence_deg, first.azimuth_deg])?;
+        let mut angles: Vec<f64> = setups.iter().map(|(own, _)| own.incidence_deg).collect();
         angles.sort_by(f64::total_cmp);
         angles.dedup();
         let own = |own: Own| plan.beliefs.per_angle.contains(&own) && angles.len() > 1;
@@ -161,6 +157,11 @@ impl<'a> Foreseen<'a> {
         let unknowns = Unknowns {
             blur: layout.parameters() + pattern.optics.free.len(),
             mu: if own(Own::Mu) { angles.len() } else { 1 },
+            rival: 0,
+        };
+        let unknowns = Unknowns {
+            rival: plan.rival.map_or(0, |_| unknowns.blur + 1),
+            ..unknowns
         };
         let ids = plan.beliefs.parameters().into_iter().flat_map(|kind| {
             let is_own = match kind {
@@ -175,30 +176,32 @@ impl<'a> Foreseen<'a> {
             }
         });
         let parameters = ids.collect();
-        let seen = Seen {
+        let mut seen = Seen {
             plan,
-            pattern: &pattern,
-            camera: &camera,
+            table,
+            pattern,
+            camera,
             layout,
             unknowns,
-            angles: &angles,
+            angles,
             points: plan.beliefs.points(),
+            rival: None,
         };
-        let places: Vec<(f64, (f64, f64, f64))> = floating_distance_mm
-            .iter()
-            .flat_map(|&r| directions.iter().map(move |&direction| (r, direction)))
-            .collect();
-        let found = places.par_iter().map(|&(r, (incidence, azimuth, eta))| {
-            seen.candidates(table, r, [incidence, azimuth], eta)
-        });
+        seen.rival = plan
+            .rival
+            .map(|rival| seen.resembling(rival, &setups))
+            .transpose()?;
+        let found = setups
+            .par_iter()
+            .map(|&(setup, eta)| seen.candidates(setup, eta));
         let found: Vec<Vec<Candidate>> = found.collect::<Result<_, Error>>()?;
         Ok(Foreseen {
-            plan,
             parameters,
             unknowns,
             candidates: found.into_iter().flatten().collect(),
             dark,
             source: seen.source(),
+            seen,
         })
     }
 
@@ -223,22 +226,42 @@ impl<'a> Foreseen<'a> {
     /// Returns the photograph of a candidate.
     pub(crate) fn photograph(&self, candidate: usize) -> Photograph {
         let own = &self.candidates[candidate];
-        let camera = &self.plan.camera;
-        let [low, high] = self.plan.beliefs.mu;
+        let plan = self.seen.plan;
+        let camera = &plan.camera;
+        let [low, high] = plan.beliefs.mu;
         let half_mirror = camera.half_mirror_transmittance * camera.half_mirror_reflectance;
         let light = camera.source_level * (low * high).sqrt() * half_mirror * own.retroreflected;
         Photograph {
-            floating_distance_mm: own.floating_distance_mm,
-            incidence_deg: own.incidence_deg,
-            azimuth_deg: own.azimuth_deg,
+            floating_distance_mm: own.setup.floating_distance_mm,
+            incidence_deg: own.setup.incidence_deg,
+            azimuth_deg: own.setup.azimuth_deg,
             edge: own.edge,
             exposure: BRIGHT / light,
         }
     }
 
+    /// Returns how well a choice of candidates tells the kernels of the plan apart.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Seen::shots`].
+    pub(crate) fn apart(&self, chosen: &[usize]) -> Result<Vec<Apart>, Error> {
+        let chosen: Vec<&Candidate> = chosen.iter().map(|&i| &self.candidates[i]).collect();
+        self.seen.judged(&chosen)
+    }
+
+    /// Returns the chi-square by which a choice shows the other kernel to be worse, in the middle of
+    /// the beliefs; `None` if the plan names no other.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Seen::shots`].
+    pub(crate) fn chi2(&self, chosen: &[usize]) -> Result<Option<f64>, Error> {
+        let chosen: Vec<&Candidate> = chosen.iter().map(|&i| &self.candidates[i]).collect();
+        self.seen.chi2(&chosen)
+    }
+
     /// Returns `count` candidates that are spread evenly over the choices, with the edges in turn.
     pub(crate) fn even(&self, count: usize) -> Vec<usize> {
-        let edges = self.plan.choices.edge.len();
+        let edges = self.seen.plan.choices.edge.len();
         let places = self.candidates.len() / edges;
         // Each edge at as many places, as far from each other as they can be.
         let all = (0..count).map(|k| {
@@ -276,7 +299,7 @@ impl<'a> Foreseen<'a> {
 
     /// Returns the relative errors of all parameters under some information.
     fn errors(&self, all: &Information) -> Vec<f64> {
-        let Unknowns { blur, mu } = self.unknowns;
+        let Unknowns { blur, mu, .. } = self.unknowns;
         let mut errors = deviations(&all.blur, 0..self.parameters.len() - mu);
         errors.extend(deviations(&all.whole, blur..blur + mu));
         errors
@@ -291,7 +314,7 @@ impl<'a> Foreseen<'a> {
 
     /// Returns the place of a parameter.
     fn place(&self, parameter: usize) -> usize {
-        let Unknowns { blur, mu } = self.unknowns;
+        let Unknowns { blur, mu, .. } = self.unknowns;
         let first = self.parameters.len() - mu;
         if parameter < first {
             parameter
@@ -302,7 +325,7 @@ impl<'a> Foreseen<'a> {
 
     /// Returns the information of an earlier result on the parameters of the plan.
     pub(crate) fn known(&self, result: &ResultFile) -> Result<Information, Error> {
-        let kernel = self.plan.beliefs.kernel;
+        let kernel = self.seen.plan.beliefs.kernel;
         if result.kernel != kernel {
             return Err(Error::OtherKernel {
                 given: result.kernel,
@@ -347,6 +370,29 @@ impl<'a> Foreseen<'a> {
         }
         Ok(known)
     }
+}
+
+/// Returns the setups that return light, each with its retroreflected share, and the number of
+/// photographs that would show none.
+fn setups(choices: &Choices, table: &Table) -> Result<(Vec<(Setup, f64)>, usize), Error> {
+    let (mut lit, mut all) = (Vec::new(), 0);
+    for &floating_distance_mm in &choices.floating_distance_mm {
+        for &incidence_deg in &choices.incidence_deg {
+            for &azimuth_deg in &choices.azimuth_deg {
+                let eta = table.direction(incidence_deg, Some(azimuth_deg));
+                let eta = eta.map_err(estimator::Error::from)?.retroreflected;
+                let setup = Setup {
+                    floating_distance_mm,
+                    incidence_deg,
+                    azimuth_deg,
+                };
+                lit.extend((eta >= LEAST_ETA).then_some((setup, eta)));
+                all += 1;
+            }
+        }
+    }
+    let dark = (all - lit.len()) * choices.edge.len();
+    Ok((lit, dark))
 }
 
 /// Returns the value of a parameter of a result.

@@ -8,17 +8,19 @@
 mod exchange;
 mod information;
 mod request;
+mod rival;
 mod seen;
 
 use serde::Serialize;
 use tables::Table;
 
 use crate::simulate::PlantedCamera;
-use edges::names::{Kernel, ParameterId};
+use edges::names::{Kernel, ParameterId, ParameterKind};
 use estimator::result::ResultFile;
 
 use information::Foreseen;
 pub use request::{Beliefs, Choices, Edge, Own, Plan};
+pub use rival::{Apart, Told, chi_square};
 
 /// Photographs beyond the planned ones whose use is computed.
 const FURTHER: usize = 3;
@@ -78,6 +80,13 @@ pub struct Planned {
     pub now: Option<Vec<Expected>>,
     /// Errors of as many photographs that are spread evenly over the choices.
     pub even: Vec<Expected>,
+    /// How well the photographs tell two kernels apart, by which of them is right; empty unless the
+    /// plan asks. An earlier result has no part in it, so with one it is a lower limit.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub apart: Vec<Apart>,
+    /// The same for as many photographs that are spread evenly.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub even_apart: Vec<Apart>,
     /// Errors after each of the next best photographs, and which they are.
     pub further: Vec<Further>,
     /// Number of photographs that could be taken.
@@ -113,6 +122,22 @@ pub struct Expected {
     pub largest: Option<f64>,
 }
 
+impl Expected {
+    /// Returns the errors of each kind of parameter in the middle of the beliefs, as the root of the
+    /// mean square; `None` of a kind that the photographs do not determine.
+    pub fn by_kind(all: &[Expected]) -> Vec<(ParameterKind, Option<f64>)> {
+        let kinds = all.chunk_by(|a, b| a.parameter.kind == b.parameter.kind);
+        let error = |own: &[Expected]| {
+            let squares: Option<f64> = own.iter().map(|own| own.middle.map(|v| v * v)).sum();
+            (
+                own[0].parameter.kind,
+                squares.map(|sum| (sum / own.len() as f64).sqrt()),
+            )
+        };
+        kinds.map(error).collect()
+    }
+}
+
 /// What a further photograph would bring.
 #[derive(Debug, Clone, Serialize)]
 pub struct Further {
@@ -120,6 +145,10 @@ pub struct Further {
     pub photograph: Photograph,
     /// Errors with it and those before it.
     pub expected: Vec<Expected>,
+    /// Chi-square by which it and those before it show the other kernel to be worse, in the middle of
+    /// the beliefs; absent unless the plan asks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chi2: Option<f64>,
 }
 
 /// Plans a campaign.
@@ -127,7 +156,8 @@ pub struct Further {
 /// The best photographs are found by exchange: one after the other is replaced by the best of all
 /// that could be taken, until none is replaced. The measure is the sum of the relative variances that
 /// the plan minimises (of a parameter with a value per incidence, their mean), averaged as a
-/// logarithm over the beliefs. `given` is an earlier result of the sheet, whose information the
+/// logarithm over the beliefs. If kernels are to be told apart, the logarithm of the chi-square that
+/// does so is subtracted. `given` is an earlier result of the sheet, whose information the
 /// photographs add to (see [`Plan::follow`]).
 ///
 /// # Errors
@@ -156,6 +186,7 @@ pub fn plan(plan: &Plan, table: &Table, given: Option<&ResultFile>) -> Result<Pl
         further.push(Further {
             photograph,
             expected,
+            chi2: foreseen.chi2(&more)?,
         });
     }
     Ok(Planned {
@@ -165,6 +196,8 @@ pub fn plan(plan: &Plan, table: &Table, given: Option<&ResultFile>) -> Result<Pl
             .as_ref()
             .map(|known| foreseen.expected(&[], Some(known))),
         even: foreseen.expected(&even, known.as_ref()),
+        apart: foreseen.apart(&chosen)?,
+        even_apart: foreseen.apart(&even)?,
         further,
         candidates: foreseen.candidates.len(),
         dark: foreseen.dark,

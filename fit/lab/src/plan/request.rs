@@ -22,8 +22,11 @@ readers! {
 pub struct Plan {
     /// Number of photographs of the mid-air edge. The source edge is photographed once more.
     pub photographs: usize,
-    /// Parameters whose variances are minimised together.
+    /// Parameters whose variances are minimised together; none if kernels are to be told apart and
+    /// the plan names no parameter.
     pub minimise: Vec<ParameterKind>,
+    /// Kernel that the believed one is to be told from.
+    pub rival: Option<Kernel>,
     /// What is believed of the sheet.
     pub beliefs: Beliefs,
     /// What can be set up.
@@ -169,7 +172,21 @@ impl Plan {
             return Err(document.place(part).error(why).into());
         }
         let possible = beliefs.parameters();
-        let minimise = asked.minimise.unwrap_or_else(|| possible.clone());
+        let believed = beliefs.kernel;
+        let rival = asked.tell_apart.map(|kernels| match kernels[..] {
+            [a, b] if a == believed && b != believed => Ok(b),
+            [a, b] if b == believed && a != believed => Ok(a),
+            _ => Err(document.error(format!(
+                "`tell_apart` is of two kernels, [\"eq1\", \"angular\"], and [beliefs] has to name \
+                one of them; it names {}",
+                believed.name()
+            ))),
+        });
+        let rival = rival.transpose()?;
+        let minimise = match asked.minimise {
+            None if rival.is_some() => Vec::new(),
+            asked => asked.unwrap_or_else(|| possible.clone()),
+        };
         if let Some(absent) = minimise.iter().find(|kind| !possible.contains(kind)) {
             let names: Vec<&str> = possible.iter().map(|kind| kind.name()).collect();
             let why = format!(
@@ -183,6 +200,7 @@ impl Plan {
         Ok(Plan {
             photographs: asked.photographs,
             minimise,
+            rival,
             beliefs,
             choices,
             camera: asked.camera,
@@ -334,6 +352,8 @@ struct Asked {
     photographs: usize,
     #[serde(default, deserialize_with = "parameters")]
     minimise: Option<Vec<ParameterKind>>,
+    #[serde(default, deserialize_with = "told_apart")]
+    tell_apart: Option<Vec<Kernel>>,
     #[serde(default)]
     beliefs: Option<toml::Spanned<Table<Beliefs>>>,
     choices: toml::Spanned<Table<Choices>>,
@@ -368,6 +388,14 @@ fn edges<'de, D: Deserializer<'de>>(value: D) -> Result<Vec<Edge>, D::Error> {
 
 fn kernel<'de, D: Deserializer<'de>>(value: D) -> Result<Kernel, D::Error> {
     choice(value, &Kernel::NAMES, Kernel::from_name)
+}
+
+/// Kernels that can be told apart before photographs are taken: those with c and one spread.
+const APART: [Kernel; 2] = [Kernel::Eq1, Kernel::Angular];
+
+fn told_apart<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Vec<Kernel>>, D::Error> {
+    let one = |name: &str| APART.into_iter().find(|own| own.name() == name);
+    choices(value, &APART.map(Kernel::name), one).map(Some)
 }
 
 fn parameters<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Vec<ParameterKind>>, D::Error> {

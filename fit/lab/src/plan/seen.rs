@@ -6,6 +6,7 @@ use tables::Table;
 use crate::plan::Error;
 use crate::plan::information::{Candidate, Information, Unknowns};
 use crate::plan::request::{Edge, Plan};
+use crate::plan::rival::Blurred;
 use crate::simulate::{ByIncidence, Params, PlantedEdge, PlantedSheet, PlantedShot, cell};
 use crate::study::{choice, trial};
 use edges::names::Kernel;
@@ -23,73 +24,132 @@ const TILT_DEG: f64 = 5.0;
 /// Photographs as the camera of a plan would take them.
 pub(crate) struct Seen<'a> {
     pub plan: &'a Plan,
+    pub table: &'a Table,
     /// Photographs of both edges, whose pixels lie as those of all candidates.
-    pub pattern: &'a Scene,
-    pub camera: &'a Camera,
+    pub pattern: Scene,
+    pub camera: Camera,
     pub layout: Layout,
     pub unknowns: Unknowns,
     /// Different incidences, degrees, ascending.
-    pub angles: &'a [f64],
+    pub angles: Vec<f64>,
     /// Points of the beliefs: logarithms of c and spread.
     pub points: Vec<Vec<f64>>,
+    /// The other kernel, and at each point of the beliefs the parameters with which it resembles the
+    /// believed one.
+    pub rival: Option<(Layout, Vec<DVector<f64>>)>,
+}
+
+/// Place and direction of a photograph.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Setup {
+    /// Floating distance, mm.
+    pub floating_distance_mm: f64,
+    /// Incidence, degrees.
+    pub incidence_deg: f64,
+    /// Azimuth, degrees.
+    pub azimuth_deg: f64,
 }
 
 impl Seen<'_> {
-    /// Returns the candidates of one place and direction, one for each edge.
-    pub(crate) fn candidates(
-        &self,
-        table: &Table,
-        r_mm: f64,
-        [incidence_deg, azimuth_deg]: [f64; 2],
-        retroreflected: f64,
-    ) -> Result<Vec<Candidate>, Error> {
+    /// Returns the photographs of one setup, one for each edge.
+    ///
+    /// # Errors
+    /// Fails if the table neither holds nor brackets the direction, or has no waves.
+    pub(crate) fn shots(&self, setup: Setup) -> Result<Vec<Aerial>, Error> {
         let conditions = self.pattern.shots.iter().map(|shot| Conditions {
-            incidence_deg,
-            azimuth_deg: shot.direction.azimuth_deg.map(|_| azimuth_deg),
-            r_mm,
+            incidence_deg: setup.incidence_deg,
+            azimuth_deg: shot.direction.azimuth_deg.map(|_| setup.azimuth_deg),
+            r_mm: setup.floating_distance_mm,
             ..shot.conditions()
         });
         let conditions: Vec<Conditions> = conditions.collect();
-        let scene = self.pattern.perturbed(table, None, &conditions);
+        let scene = self.pattern.perturbed(self.table, None, &conditions);
         let scene = scene.map_err(estimator::Error::from)?;
         if self.layout.choice.kernel.has_waves() {
             let file = "the plan".into();
             let fault = |fault| estimator::Error::Wave(file, fault);
             scene.waves().map_err(fault)?;
         }
-        let shots = scene.shots.iter().zip(&self.plan.choices.edge);
+        Ok(scene.shots)
+    }
+
+    /// Returns the photograph of a candidate.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Seen::shots`].
+    pub(crate) fn shot(&self, own: &Candidate) -> Result<Aerial, Error> {
+        let edges = &self.plan.choices.edge;
+        let edge = edges.iter().position(|&edge| edge == own.edge).unwrap_or(0);
+        Ok(self.shots(own.setup)?.swap_remove(edge))
+    }
+
+    /// Returns the candidates of one setup, one for each edge.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Seen::shots`].
+    pub(crate) fn candidates(
+        &self,
+        setup: Setup,
+        retroreflected: f64,
+    ) -> Result<Vec<Candidate>, Error> {
+        let shots = self.shots(setup)?.into_iter();
+        let shots = shots.zip(&self.plan.choices.edge);
         Ok(shots
             .map(|(shot, &edge)| Candidate {
-                floating_distance_mm: r_mm,
-                incidence_deg,
-                azimuth_deg,
+                setup,
                 edge,
                 retroreflected,
-                tells: self.points.iter().map(|at| self.tells(shot, at)).collect(),
+                tells: (0..self.points.len())
+                    .map(|point| self.tells(&shot, point))
+                    .collect(),
             })
             .collect())
     }
 
-    /// Returns what a photograph tells at a point of the beliefs.
-    fn tells(&self, shot: &Aerial, at: &[f64]) -> Information {
+    /// Returns the parameters of the believed kernel at a point of the beliefs.
+    pub(crate) fn at(&self, point: &[f64]) -> DVector<f64> {
         let layout = &self.layout;
-        let angle = |&own: &f64| own == shot.incidence_deg;
-        let group = self.angles.iter().position(angle).unwrap_or(0);
         // The spread is believed to be the same at every incidence.
-        let c = layout.c().map(|_| at[0]).into_iter();
-        let spread = (0..layout.spreads).map(|_| at[at.len() - 1]);
-        let at = DVector::from_iterator(layout.parameters(), c.chain(spread));
+        let c = layout.c().map(|_| point[0]).into_iter();
+        let spread = (0..layout.spreads).map(|_| point[point.len() - 1]);
+        DVector::from_iterator(layout.parameters(), c.chain(spread))
+    }
+
+    /// Returns the number of a photograph's incidence.
+    pub(crate) fn group(&self, shot: &Aerial) -> usize {
+        let angle = |&own: &f64| own == shot.incidence_deg;
+        self.angles.iter().position(angle).unwrap_or(0)
+    }
+
+    /// Returns the columns of the parameters on which a photograph of an incidence depends, those of
+    /// the lens last.
+    pub(crate) fn columns(&self, group: usize) -> Vec<usize> {
+        let first = self.layout.parameters();
+        let lens = first..first + self.pattern.optics.free.len();
+        self.layout.columns(group).into_iter().chain(lens).collect()
+    }
+
+    /// Returns what a photograph tells at a point of the beliefs.
+    fn tells(&self, shot: &Aerial, point: usize) -> Information {
+        let (layout, group) = (&self.layout, self.group(shot));
+        let at = self.at(&self.points[point]);
         let blur = layout.blur(&at, group);
         let model = model(shot, layout.choice);
         let pixels = Pixels::new(&shot.pixels, self.camera.pitch_mm);
         let lens = &self.pattern.optics.free;
-        let curves = pixels.curves(Some((&model, blur)), self.camera, lens);
+        let curves = pixels.curves(Some((&model, blur)), &self.camera, lens);
         let rows = pixels.foreseen(&curves, self.levels(), trial::noise(&self.plan.camera));
-        let first = layout.parameters();
-        let columns = layout.columns(group).into_iter();
-        let columns: Vec<usize> = columns.chain(first..first + lens.len()).collect();
-        let mu = layout.mu_group(group);
-        Information::of(&rows, &columns, self.unknowns, Some(mu))
+        let (columns, mu) = (self.columns(group), layout.mu_group(group));
+        let mut told = Information::of(&rows, &columns, self.unknowns, Some(mu));
+        if let Some((other, resembling)) = &self.rival {
+            let right = Blurred { layout, at: &at };
+            let wrong = Blurred {
+                layout: other,
+                at: &resembling[point],
+            };
+            told.rival = self.against(shot, right, wrong);
+        }
+        told
     }
 
     /// Returns what the source edge tells.
@@ -104,7 +164,7 @@ impl Seen<'_> {
             .flat_map(|own| &own.photographs)
         {
             let pixels = Pixels::new(&own.pixels, self.camera.pitch_mm);
-            let curves = pixels.curves(None, self.camera, lens);
+            let curves = pixels.curves(None, &self.camera, lens);
             let camera = &self.plan.camera;
             let levels = levels(camera.source_level, camera.dark_ratio, camera.veil);
             let rows = pixels.foreseen(&curves, levels, trial::noise(camera));
@@ -115,7 +175,7 @@ impl Seen<'_> {
     }
 
     /// Returns dark plateau and step of a mid-air photograph.
-    fn levels(&self) -> [f64; 2] {
+    pub(crate) fn levels(&self) -> [f64; 2] {
         let camera = &self.plan.camera;
         levels(BRIGHT, camera.dark_ratio, camera.veil)
     }

@@ -8,6 +8,7 @@
 //! [`tilt`](crate::explore::unit::tilt).
 
 use std::io::Write;
+use std::sync::Arc;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -22,7 +23,8 @@ use crate::explore::span::{Fineness, Span, known};
 use crate::explore::stencil::{Ends, Nodes};
 use crate::explore::unit::{UnitSheet, shifts, tilt};
 use crate::images::progress::Pieces;
-use crate::images::{RenderProgress, Sheet, Viewpoint};
+use crate::images::sheet::spot_of;
+use crate::images::{RenderProgress, Viewpoint};
 use estimator::Error as PredictError;
 use estimator::predict::Fitted;
 
@@ -304,6 +306,7 @@ fn node(
     let direction = sheet.table.direction(at.incidence_deg, at.azimuth_deg)?;
     let energy = sheet.returned(at.incidence_deg, direction.retroreflected);
     let [unit, rays] = [unit.on(sheet), rays.on(sheet)];
+    let lines = Arc::default();
     let mut all = Transforms::new();
     for (&r_mm, lattice) in shape.distances.iter().zip(&shape.lattices) {
         if !shifts(sheet.result.kernel) {
@@ -313,7 +316,8 @@ fn node(
         let at = Viewpoint { r_mm, ..*at };
         let step = lattice.step();
         let tilt = tilt(sheet.result.kernel, at.incidence_deg);
-        let spot = unit.spot(&at, (lattice.end + step * (MARGIN + 1) as f64) / tilt)?;
+        let finest = (lattice.end + step * (MARGIN + 1) as f64) / tilt;
+        let spot = spot_of(&unit, direction.clone(), &at, finest, Some(&lines))?;
         let (columns, zero) = (lattice.size()[0], lattice.zero());
         let value = |place: usize| {
             let at = [place % columns, place / columns];
@@ -322,7 +326,7 @@ fn node(
             let smooth = spot.otf([along / tilt, across]) / kinked(shape.kink * r_mm, frequency);
             [smooth.re, smooth.im]
         };
-        let reach = rays.spot(&at, 1.0)?.reach_mm() / tilt;
+        let reach = spot_of(&rays, direction.clone(), &at, 1.0, None)?.reach_mm() / tilt;
         all.push((reach, (0..lattice.count()).map(value).collect()));
     }
     Ok((energy, all))

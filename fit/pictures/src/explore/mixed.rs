@@ -1,6 +1,7 @@
 //! Spots mixed from the nodes of a grid, computed as the page computes them, and the error of that.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use estimator::model::Lobe;
 use num_complex::Complex64;
@@ -16,7 +17,8 @@ use crate::explore::scaling::Scaling;
 use crate::explore::stencil::Share;
 use crate::explore::unit::tilt;
 use crate::images::progress::Pieces;
-use crate::images::{RenderProgress, Sheet, TAIL, Viewpoint};
+use crate::images::sheet::spot_of;
+use crate::images::{RenderProgress, TAIL, Viewpoint};
 use edges::names::{Kernel, LobeShape};
 use edges::numerics::lagrange;
 use edges::numerics::sinc;
@@ -387,7 +389,6 @@ fn misfit_at(mixed: &Mixed<'_>, place: &Viewpoint, brightest: f64) -> Result<Mis
     let widest = 3.0 * blur.c_mm + 5.0 / core(mixed, &blur, place);
     let period = 2.0 * found.reach_mm.min(widest).max(1e-9);
     let step = 1.0 / period;
-    let truth = mixed.sheet.spot(place, step * POINTS as f64)?;
     let table = mixed.sheet.table;
     let direction = table
         .direction(place.incidence_deg, place.azimuth_deg)
@@ -395,6 +396,8 @@ fn misfit_at(mixed: &Mixed<'_>, place: &Viewpoint, brightest: f64) -> Result<Mis
     let own = mixed
         .sheet
         .returned(place.incidence_deg, direction.retroreflected);
+    let (finest, lines) = (step * POINTS as f64, Arc::default());
+    let truth = spot_of(&mixed.sheet, direction, place, finest, Some(&lines))?;
     // Squares of light: what lies beyond the frequencies is damped by them.
     let half = POINTS as i64 / 2;
     let damped = |k: i64| sinc(PI * k as f64 / POINTS as f64).powi(2);

@@ -8,7 +8,7 @@ pub mod mid_air;
 mod plane;
 pub(crate) mod progress;
 pub mod render;
-mod sheet;
+pub(crate) mod sheet;
 pub mod shown;
 mod spot;
 

@@ -1,6 +1,9 @@
 //! Spots of a fitted sheet: the image of a point of light at any place, from a result and a table
 //! of its cell.
 
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
 use estimator::model::Lobe;
 use num_complex::Complex64;
 use tables::Direction;
@@ -24,52 +27,95 @@ impl Sheet for Fitted<'_> {
         let direction = self
             .table
             .direction(place.incidence_deg, place.azimuth_deg)?;
-        let blur = self.blur(place.incidence_deg)?;
-        let returns = self.returned(place.incidence_deg, direction.retroreflected) > 0.0;
-        let energy = if returns {
-            self.luminance(place.incidence_deg, direction.retroreflected)
-        } else {
-            Some(0.0)
-        };
-        let cosine = place.incidence_deg.to_radians().cos();
-        let kernel = self.result.kernel;
-        let direction = if kernel.shifts_rays() {
-            direction.seen_from(place.r_mm, blur.c_mm, cosine)?
-        } else {
-            direction
-        };
-        let shift = (kernel.shifts_rays() && returns)
-            .then(|| ShiftPlane::new(&direction, cosine, blur.c_mm, finest_per_mm));
-        let shape = self.result.lobe.unwrap_or(LobeShape::Radial);
-        let lobe = kernel
-            .has_lobe()
-            .then(|| (shape, blur.spread / kernel.distance_scale(place.r_mm)));
-        let gain = self.tangential_gain(place.incidence_deg);
-        let variance_mm2 = |normal| {
-            let per_mrad2 = further::variance_per_mrad2(place.r_mm, normal, gain);
-            blur.angular_spread_mrad2 * per_mrad2
-        };
-        let mut spot = FittedSpot {
-            sheet: *self,
-            place: *place,
-            direction,
-            blur,
-            energy,
-            returns,
-            shift,
-            lobe,
-            angular_mm: [[1.0, 0.0], [0.0, 1.0]].map(|axis| variance_mm2(axis).sqrt()),
-            reach_mm: 0.0,
-            end_per_mm: f64::INFINITY,
-        };
-        spot.reach_mm = spot.reach()?;
-        if returns {
-            let widest = spot.angular_mm[0].max(spot.angular_mm[1]);
-            spot.reach_mm += REACH * widest;
-        }
-        spot.end_per_mm = spot.end();
-        Ok(Box::new(spot))
+        spot_of(self, direction, place, finest_per_mm, None)
     }
+}
+
+/// Wave optics along those directions of an image that were needed so far, by their normals. Spots at
+/// all distances share them, if incidence and azimuth are the same.
+#[derive(Default)]
+pub(crate) struct Lines(Mutex<HashMap<[i64; 2], Arc<WaveLine>>>);
+
+impl Lines {
+    /// Normals that agree to this share of 1 are one: those of a lattice of frequencies, whose
+    /// multiples differ by rounding.
+    const SAME: f64 = 1e-9;
+
+    /// Returns the line of a normal, which `make` makes at its first use.
+    fn line(
+        &self,
+        normal: [f64; 2],
+        make: impl FnOnce() -> Result<WaveLine, Error>,
+    ) -> Result<Arc<WaveLine>, Error> {
+        let key = normal.map(|part| (part / Lines::SAME).round() as i64);
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(line) = known.get(&key) {
+            return Ok(Arc::clone(line));
+        }
+        let line = Arc::new(make()?);
+        known.insert(key, Arc::clone(&line));
+        Ok(line)
+    }
+}
+
+/// Computes the spot at one place, whose direction is known already. Its OTF keeps the waves of
+/// `lines`, if there are any, which is worth while where few directions of the image are needed.
+///
+/// # Errors
+/// Returns the errors of [`Sheet::spot`].
+pub(crate) fn spot_of<'a>(
+    sheet: &Fitted<'a>,
+    direction: Direction,
+    place: &Viewpoint,
+    finest_per_mm: f64,
+    lines: Option<&Arc<Lines>>,
+) -> Result<Box<dyn Spot + 'a>, Error> {
+    let blur = sheet.blur(place.incidence_deg)?;
+    let returns = sheet.returned(place.incidence_deg, direction.retroreflected) > 0.0;
+    let energy = if returns {
+        sheet.luminance(place.incidence_deg, direction.retroreflected)
+    } else {
+        Some(0.0)
+    };
+    let cosine = place.incidence_deg.to_radians().cos();
+    let kernel = sheet.result.kernel;
+    let direction = if kernel.shifts_rays() {
+        direction.seen_from(place.r_mm, blur.c_mm, cosine)?
+    } else {
+        direction
+    };
+    let shift = (kernel.shifts_rays() && returns)
+        .then(|| ShiftPlane::new(&direction, cosine, blur.c_mm, finest_per_mm));
+    let shape = sheet.result.lobe.unwrap_or(LobeShape::Radial);
+    let lobe = kernel
+        .has_lobe()
+        .then(|| (shape, blur.spread / kernel.distance_scale(place.r_mm)));
+    let gain = sheet.tangential_gain(place.incidence_deg);
+    let variance_mm2 = |normal| {
+        let per_mrad2 = further::variance_per_mrad2(place.r_mm, normal, gain);
+        blur.angular_spread_mrad2 * per_mrad2
+    };
+    let mut spot = FittedSpot {
+        sheet: *sheet,
+        place: *place,
+        direction,
+        blur,
+        energy,
+        returns,
+        shift,
+        lobe,
+        angular_mm: [[1.0, 0.0], [0.0, 1.0]].map(|axis| variance_mm2(axis).sqrt()),
+        reach_mm: 0.0,
+        end_per_mm: f64::INFINITY,
+        lines: lines.map(Arc::clone),
+    };
+    spot.reach_mm = spot.reach()?;
+    if returns {
+        let widest = spot.angular_mm[0].max(spot.angular_mm[1]);
+        spot.reach_mm += REACH * widest;
+    }
+    spot.end_per_mm = spot.end();
+    Ok(Box::new(spot))
 }
 
 /// Standard deviations that contain all but [`TAIL`] of a normal distribution.
@@ -99,19 +145,23 @@ struct FittedSpot<'a> {
     reach_mm: f64,
     /// Frequency beyond which waves pass nothing, 1/mm; infinite for the other kernels.
     end_per_mm: f64,
+    /// Waves that are kept; `None` if each is used once.
+    lines: Option<Arc<Lines>>,
 }
 
 impl FittedSpot<'_> {
     /// Returns the wave optics along one direction of the image.
-    fn wave(&self, normal: [f64; 2]) -> Result<WaveLine, Error> {
+    fn wave(&self, normal: [f64; 2]) -> Result<Arc<WaveLine>, Error> {
         let incidence_rad = self.place.incidence_deg.to_radians();
         let spectrum = self.sheet.result.wavelength_nm.as_ref();
-        Ok(wave::line(
-            &self.direction,
-            incidence_rad,
-            normal,
-            spectrum,
-        )?)
+        let make = || {
+            let line = wave::line(&self.direction, incidence_rad, normal, spectrum)?;
+            Ok(line)
+        };
+        match &self.lines {
+            Some(lines) => lines.line(normal, make),
+            None => make().map(Arc::new),
+        }
     }
 
     /// Returns the frequency beyond which waves pass nothing, 1/mm; infinite for the other kernels.

@@ -16,7 +16,6 @@ use crate::library::{BAKE_AGAIN, NAME_A_TABLE};
 use crate::options::{StatedOptions, Word};
 use crate::table::axes::Axes;
 use crate::table::check;
-use crate::table::fate::Fate;
 use crate::table::provenance;
 use crate::table::provenance::Provenance;
 use crate::table::symmetry::Symmetry;
@@ -51,8 +50,7 @@ pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Erro
     check::axes(&axes).map_err(invalid)?;
     root.bins(&names::SHIFT_U, &axes)?;
     root.bins(&names::SHIFT_V, &axes)?;
-    let fates = Fate::of(provenance.options.front());
-    root.fates(fates)?;
+    let fates = root.fates(&provenance)?;
 
     let (i, j) = axes.shape();
     let (b, f) = (axes.bins, fates.len());

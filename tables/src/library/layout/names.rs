@@ -5,10 +5,10 @@
 
 use std::ffi::CStr;
 
-/// Newest version of the format.
+/// Newest version of the format, the first that has the fate `reflected_by_front`.
 ///
 /// A table is written in the first version that can say all of it.
-pub const VERSION: u64 = 3;
+pub const VERSION: u64 = 4;
 
 /// First version that has [`deviation::GROUP`] and [`attribute::OPTIONS`].
 pub(crate) const VERSION_OF_DEVIATIONS: u64 = 2;

@@ -21,6 +21,7 @@ use crate::library::confine::Ledger;
 use crate::library::layout::names::{self, DimensionScale, Variable};
 use crate::table::axes::Axes;
 use crate::table::fate::Fate;
+use crate::table::provenance::Provenance;
 
 /// Rounding that another writer may have in scales and derived datasets.
 pub(crate) const ROUNDING: f64 = 1e-12;
@@ -299,10 +300,11 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// Checks that the fates have the names and the order of `fates`.
-    pub(crate) fn fates(&self, fates: &[Fate]) -> Result<(), Error> {
+    /// Reads the fates, which must be those that tables of this provenance have.
+    pub(crate) fn fates(&self, provenance: &Provenance) -> Result<&'static [Fate], Error> {
         let scale = &names::FATE_NAME;
         let (dataset, kind, shape) = self.dataset(scale.name, &TEXTS)?;
+        let fates = provenance.fates(shape.first().copied().unwrap_or(0));
         if shape != [fates.len()] {
             let fault = format!("has shape {shape:?}, expected [{}]", fates.len());
             return Err(self.wrong("dataset", scale.name, fault));
@@ -317,7 +319,7 @@ impl<'a> Place<'a> {
                 let found = String::from_utf8_lossy(&names[i]);
                 Err(self.differs(scale.name, i, fates[i].name(), found))
             }
-            None => Ok(()),
+            None => Ok(fates),
         }
     }
 

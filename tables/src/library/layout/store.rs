@@ -35,7 +35,8 @@ pub(crate) fn store(table: &Table, file: &File) -> Result<()> {
     let axes = &table.axes;
     let centres: Array1<f64> = (0..axes.bins).map(|i| axes.bin_centre(i)).collect();
     let randomisations = table.counts.as_ref().map_or(0, |counts| counts.shape()[2]);
-    let fates = Fate::of(table.provenance.options.front())
+    let fates = table
+        .fates()
         .iter()
         .map(|fate| text(fate.name()))
         .collect::<Result<Array1<_>>>()?;
@@ -174,7 +175,9 @@ fn version(table: &Table) -> u64 {
         .exact
         .iter()
         .flat_map(|exact| exact.paths.iter().flatten());
-    if options.front() == Front::Trapped
+    if table.fates().contains(&Fate::ReflectedByFront) {
+        names::VERSION
+    } else if options.front() == Front::Trapped
         || paths.any(|path| path.passes > 0 || path.jones.is_some())
     {
         names::VERSION_OF_PASSES

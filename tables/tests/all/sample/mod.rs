@@ -71,10 +71,15 @@ pub(crate) fn rays(randomisations: usize, seed: u64) -> Table {
 
 /// Counts of a bake with these options.
 fn rays_with(options: &str, randomisations: usize, seed: u64) -> Table {
-    let axes = axes();
     let mut provenance = provenance();
     provenance.options = options.into();
-    let f = Fate::of(provenance.options.front()).len();
+    let fates = Fate::of(provenance.options.front(), false).len();
+    rays_of(provenance, fates, randomisations, seed)
+}
+
+/// Counts of a bake of this provenance, with `f` fates.
+fn rays_of(mut provenance: Provenance, f: usize, randomisations: usize, seed: u64) -> Table {
+    let axes = axes();
     let ((i, j), b) = (axes.shape(), axes.bins);
     let mut numbers = Numbers(seed);
     let mut counts = Array5::from_shape_fn((i, j, randomisations, b, b), |_| numbers.below(1000));
@@ -107,8 +112,8 @@ pub(crate) fn trapped() -> Table {
     let mut table = exact();
     table.provenance.options = "--front trapped".into();
     let (i, j) = table.axes.shape();
-    let mut fate = Array3::zeros((i, j, Fate::ALL.len()));
-    fate.slice_mut(ndarray::s![.., .., ..Fate::ALL.len() - 1])
+    let mut fate = Array3::zeros((i, j, 11));
+    fate.slice_mut(ndarray::s![.., .., ..10])
         .assign(&table.fate);
     for at in ndarray::indices((i, j)) {
         fate[[at.0, at.1, Fate::Trapped as usize]] = 0.25 * fate[[at.0, at.1, 7]];
@@ -122,6 +127,31 @@ pub(crate) fn trapped() -> Table {
         path.jones = Some([[[x, 0.5], [-x, 0.25]], [[0.0, x], [1.0, -0.125]]]);
     }
     table
+}
+
+/// Exact table with losses, whose front face reflects light.
+pub(crate) fn lossy() -> Table {
+    let mut table = exact();
+    table.provenance.losses = Losses::Fresnel.into();
+    let (i, j) = table.axes.shape();
+    let mut fate = Array3::zeros((i, j, Fate::ALL.len()));
+    fate.slice_mut(ndarray::s![.., .., ..10])
+        .assign(&table.fate);
+    for at in ndarray::indices((i, j)) {
+        let missed = fate[[at.0, at.1, Fate::Missed as usize]];
+        fate[[at.0, at.1, Fate::Missed as usize]] = 0.5 * missed;
+        fate[[at.0, at.1, Fate::Trapped as usize]] = 0.375 * missed;
+        fate[[at.0, at.1, Fate::ReflectedByFront as usize]] = 0.125 * missed;
+    }
+    table.fate = fate;
+    table
+}
+
+/// Counts with losses behind a front face.
+pub(crate) fn lossy_rays() -> Table {
+    let mut from = provenance();
+    from.losses = Losses::Fresnel.into();
+    rays_of(from, Fate::ALL.len(), 2, 6)
 }
 
 /// Rays with their deviations, in 4 x 4 cells and 5 x 5 bins.
@@ -194,7 +224,7 @@ pub(crate) fn exact() -> Table {
     let mut numbers = Numbers(3);
     let mut paths = Vec::new();
     let mut eta = Array2::zeros((i, j));
-    let mut fate = Array3::zeros((i, j, Fate::of(Front::Once).len()));
+    let mut fate = Array3::zeros((i, j, Fate::of(Front::Once, false).len()));
     let mut histogram = Array4::zeros((i, j, b, b));
     for direction in 0..i * j {
         let at = (direction / j, direction % j);
