@@ -84,8 +84,33 @@ def images(result: midair.Result, folder: Path) -> None:
         print(error.file, error.place, error.remedy)
 
 
+def answers(folder: Path) -> None:
+    """A cell's data sheet, and the photographs to take."""
+    pair = midair.design("triangular-pair")
+    sheet = midair.datasheet(pair, refractive_index=1.49, cells=2, step=10.0, unit="mm")
+    sheet.save(folder / "data.html")
+    table = midair.trace(pair, refractive_index=1.49, incidence=[0, 20], azimuth=30)
+    (folder / "plan.toml").write_text(
+        """photographs = 2
+        [beliefs]
+        kernel = "eq1"
+        c_mm = { from = 0.15, to = 0.3 }
+        a_per_mm = { from = 2, to = 5 }
+        mu = { from = 0.3, to = 0.6 }
+        [choices]
+        floating_distance_mm = [100, 300]
+        incidence_deg = [0, 20]
+        azimuth_deg = [30]
+        """
+    )
+    plan = midair.plan(folder / "plan.toml", table)
+    plan.save(folder / "planned.toml")
+    print(sorted(sheet.data), len(plan.data["photographs"]))
+
+
 if __name__ == "__main__":
     found = readme(sys.argv[1])
     tables(Path(sys.argv[2]))
     photographs(sys.argv[1], found)
     images(found, Path(sys.argv[2]))
+    answers(Path(sys.argv[2]))
