@@ -96,10 +96,10 @@ impl Claims {
 
 /// Holds what a table says about its bake against a mesh.
 ///
-/// `rays` and `seed` are those of [`super::retrace`].
+/// `rays` and `seed` are those of [`crate::run::retrace()`].
 ///
 /// # Errors
-/// Returns the errors of [`super::retrace`].
+/// Returns the errors of [`crate::run::retrace()`].
 pub fn claims(
     table: &Table,
     prepared: &Prepared,
