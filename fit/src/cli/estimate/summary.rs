@@ -157,7 +157,12 @@ impl Rows<'_> {
 
     fn row(&mut self, label: &str, id: ParameterId, number: Number) {
         let angle = id.incidence_deg.map_or(String::new(), |i| format!("{i}°"));
-        let shown = |v: Option<f64>| v.map_or("-".to_owned(), |v| format!("{v:.5}"));
+        // Five decimals of a number that no photograph tells would fill the line, or be zeros.
+        let shown = |v: Option<f64>| match v {
+            None => "-".to_owned(),
+            Some(v) if v != 0.0 && !(1e-5..1e4).contains(&v.abs()) => format!("{v:.3e}"),
+            Some(v) => format!("{v:.5}"),
+        };
         let _ = write!(
             self.text,
             "{label:<12}{angle:>10}{:>12}{:>14}",

@@ -87,6 +87,47 @@ fn the_three_campaigns_give_back_their_truth() {
     assert_eq!(compared, 2 * (21 + 3 + 3));
 }
 
+/// One photograph of twenty has a wrong incidence in the manifest. The fit is poor and names the
+/// photograph, and c stays near the truth. The wrong photograph pulls c by 0.05 and 0.8 %, and
+/// twice the larger is allowed. A fit that takes the noise about a wrong blur loses c: it was 74 % off in
+/// one case, and a millionth of the truth in the other.
+#[test]
+#[ignore = "half a minute: `make test-slowest` runs it"]
+fn one_wrong_angle_leaves_c_near_its_truth() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let photographs = tests::files::project().join("tests/captures/public_per_angle");
+    for entry in std::fs::read_dir(&photographs).unwrap().flatten() {
+        std::fs::copy(entry.path(), here.join(entry.file_name())).unwrap();
+    }
+    let manifest = std::fs::read_to_string(here.join("captures.toml")).unwrap();
+    let table = bake_table(here, "triangular-pair", "0:45:5", "30");
+    let mut cases = 0;
+    for wrong in ["20.0", "35.0"] {
+        let wrong = format!("incidence_deg = {wrong}");
+        let told = manifest.replacen("incidence_deg = 10.0", &wrong, 1);
+        assert_ne!(told, manifest);
+        std::fs::write(here.join("wrong.toml"), told).unwrap();
+        let run = fit(
+            here,
+            &format!("estimate wrong.toml --table {table} -o wrong.json --diagnose 0"),
+        );
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        assert!(
+            run.err.contains("aerial_150mm_10deg_tan.exr fits worst"),
+            "{}",
+            run.err
+        );
+        let result = json(&here.join("wrong.json"));
+        let c = result["c_mm"]["value"].as_f64().expect("c is known");
+        println!("{wrong}: c {c}");
+        assert_eq!(result["fit"]["verdict"], "poor");
+        assert!((c / 0.24 - 1.0).abs() < 0.016, "{c}");
+        cases += 1;
+    }
+    assert_eq!(cases, 2);
+}
+
 /// A lobe of fixed angle, whose a times R is a number of its own in the result.
 #[test]
 fn a_lobe_of_fixed_angle_gives_back_its_truth() {

@@ -223,12 +223,14 @@ fn fitted(
 /// itself.
 ///
 /// Noise and light of the pixels are found about this candidate. About one that is far from the
-/// photographs, even light would look uneven.
+/// photographs, even light would look uneven. A blur that explains little, as where one angle of
+/// the manifest is wrong, may be one that sharpens, and would lead farther away.
 pub(crate) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
     if from.reduced_chi2() <= FAR {
         return from.clone();
     }
     let fits = opened(scene, from.choice).map(|choice| rough(scene, choice));
+    let fits = fits.filter(|fit| explains(from.reduced_chi2(), fit.reduced_chi2()));
     let all = fits.chain(std::iter::once(from.clone()));
     let found = all.filter(|fit| fit.criterion(1.0).is_finite());
     found
