@@ -34,6 +34,7 @@ mod file;
 #[cfg(feature = "hdf5")]
 mod library;
 mod lookup;
+#[cfg(feature = "hdf5")]
 mod merge;
 pub mod options;
 mod otf;
@@ -75,4 +76,5 @@ pub use library::layout::VERSION;
 pub use library::read::is_sealed;
 #[cfg(feature = "hdf5")]
 pub use library::write::{commit, write};
+#[cfg(feature = "hdf5")]
 pub use merge::merge::merge;
