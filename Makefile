@@ -118,11 +118,11 @@ test-statistics: rust tools
 test-slowest: rust tools python
 	@echo "== the slowest statistics of fit, waves and programs of rays, uneven cubes" >&2
 	@$(CARGO) test --workspace --lib --locked -- --ignored $(SLOWEST)
-	@$(WHOLE) deviations:: wave::
+	@$(WHOLE) deviations:: wave:: one_wrong_angle
 SLOWEST = statistics_near_full_scale statistics_of_uneven_light statistics_of_bounds \
 	statistics_of_correlated_noise statistics_of_predictions statistics_of_mtf10_in_noise \
 	traced_photographs_give_their_corner_size programs_record_what_single_rays_do \
-	waves_are_those_of_a_pupil_on_a_raster grazing_incidence_along_the_rows_of_a_lattice \
+	waves_are_those_of_a_pupil_on_a_raster errors_fall_as_theory_says grazing_incidence_along_the_rows_of_a_lattice \
 	between_chosen_directions_polygons_keep_the_tolerance a_jump_is_said \
 	beams_are_the_mean_of_plain_rays a_mean_over_azimuths_is_that_of_many_azimuths
 

@@ -158,9 +158,15 @@ pub fn fresh(name: &str) -> PathBuf {
         READER => &["tables", "reader"],
         _ => &["tables", "tables/charts", "fit"],
     };
+    let project = crate::files::project();
     let newest = packages
         .iter()
-        .flat_map(|package| sources(&crate::files::project().join(package).join("src")))
+        .flat_map(|package| sources(&project.join(package).join("src")))
+        // No program holds the tests of its package.
+        .filter(|file| {
+            let own = file.strip_prefix(&project).unwrap_or(file);
+            !own.iter().any(|part| part == "tests" || part == "tests.rs")
+        })
         .filter_map(|file| modified(&file).ok())
         .max()
         .expect("the project has sources");

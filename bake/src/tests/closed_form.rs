@@ -180,7 +180,7 @@ fn pair_behind_a_flat_face() {
 #[test]
 fn azimuth_mean() {
     let (_, expected) = cells::listed_means();
-    let table = bake(&cells::triangular(), request("0:50:5", "mean", 1 << 20));
+    let table = bake(&cells::triangular(), request("0:50:5", "mean", 1 << 18));
     assert_eq!(expected.len(), table.axes.incidence_deg.len());
     check_sums(&table);
     assert!(table.axes.azimuth_deg[0].is_nan());

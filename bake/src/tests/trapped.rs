@@ -330,8 +330,8 @@ fn no_light_is_lost_near_the_planes_of_symmetry() {
         let prepared = Prepared::new(cell(shape));
         for (incidence, index) in [(25.0, 1.49), (40.0, 1.49), (45.0, 1.49), (50.0, 1.586)] {
             for plane in [0.0, 30.0, 60.0, 150.0, 240.0] {
-                for k in 0..19 {
-                    let off = 10_f64.powf(-0.5 * f64::from(k));
+                for k in 0..10 {
+                    let off = 10_f64.powf(-f64::from(k));
                     for azimuth in [plane - off, plane + off] {
                         let [once, all] = shares(&prepared, incidence, azimuth, trapped(index));
                         for found in [once, all] {
@@ -347,7 +347,7 @@ fn no_light_is_lost_near_the_planes_of_symmetry() {
             }
         }
     }
-    assert_eq!(cases, 2 * 1520);
+    assert_eq!(cases, 2 * 800);
 }
 
 /// With losses, total reflection at the front leaves rounding, which is no light: no path has a

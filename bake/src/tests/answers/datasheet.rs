@@ -164,7 +164,11 @@ fn spots_are_those_of_designs_with_errors() {
     let mut cases = 0;
     for index in [1.0, 1.49] {
         for (cell, cubes) in [(triangular(), 1), (pair(), 2), (full_cube(), 1)] {
-            let sheet = made(&cell, &request(index));
+            let asked = DatasheetRequest {
+                step_deg: 15.0,
+                ..request(index)
+            };
+            let sheet = made(&cell, &asked);
             assert_eq!(sheet.spots.len(), 6);
             for own in sheet.spots.iter().filter(|own| own.incidence_deg == 0.0) {
                 let error = 1e-3 * own.error_mrad;

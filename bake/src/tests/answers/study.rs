@@ -40,6 +40,7 @@ fn study(trace: Request, repeats: usize, target: f64) -> Study {
 /// gives 6.5 %. The four points from 16,384 rays on (4 rays per bin and randomisation) give a slope
 /// good to 6.5 % / (ln 4 sqrt 5) = 0.021.
 #[test]
+#[ignore = "half a minute: `make test-slowest` runs it"]
 fn errors_fall_as_theory_says() {
     let target = 0.02;
     let found = study(

@@ -153,7 +153,7 @@ fn exact_and_rays_agree_within_counting_error() {
             let request = Request {
                 refractive_index: Some(index),
                 ..asked(
-                    "--incidence 0,13,37 --azimuth 0,50 --sampler random --rays 262144 --bins 32 --method rays",
+                    "--incidence 0,13,37 --azimuth 0,50 --sampler random --rays 65536 --bins 32 --method rays",
                 )
             };
             let traced = bake(&cell, &request);

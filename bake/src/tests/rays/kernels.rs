@@ -97,7 +97,7 @@ fn periodic_programs_equal_the_tracer_ray_for_ray() {
         truncation: 0.2,
         ..ideal
     };
-    let rays = 20_000;
+    let rays = 5_000;
     let (mut directions, mut programs) = (0, 0);
     for cell in [ideal, uneven, truncated].map(|design| cells::designed(&design)) {
         let scene = Arc::new(Scene::new(&cell, Index::Loop));

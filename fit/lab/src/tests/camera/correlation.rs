@@ -82,7 +82,7 @@ fn correlated_noise_counts_by_its_autocorrelation() {
     for filter in [WHITE, PAIRS, SMOOTH, BLOCKS] {
         let squares: f64 = filter.iter().map(|w| w * w).sum();
         let expected = 1.0 / (squares * squares);
-        let found: Vec<f64> = (0..8_u64)
+        let found: Vec<f64> = (0..4_u64)
             .into_par_iter()
             .flat_map_iter(|seed| {
                 let (scene, _) = drawn(seed, filter);

@@ -97,6 +97,7 @@ fn a_search_says_whether_it_came_to_its_end() {
 /// An estimate before its diagnosis has all numbers of the one after it, and needs a diagnosis only
 /// if its fit is not good.
 #[test]
+#[ignore = "seconds: `make test-full` runs it"]
 fn an_estimate_before_its_diagnosis_is_whole() {
     let (shots, table) = planted(Kernel::Eq1, 3.4);
     let options = of(&[Kernel::Eq1]);
