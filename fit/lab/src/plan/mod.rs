@@ -43,6 +43,20 @@ pub enum Error {
         /// Photographs that can be taken.
         possible: usize,
     },
+    /// Errors that the largest number of photographs does not reach.
+    #[error(
+        "{photographs} photographs, the most that are planned, do not reach the errors of `within`: \
+        {} is then known to {:.2} %; ask for less, name more choices, or another camera",
+        .kind.name(), 100.0 * .error.unwrap_or(f64::INFINITY)
+    )]
+    OutOfReach {
+        /// Number of photographs.
+        photographs: usize,
+        /// Parameter that is not known well enough.
+        kind: ParameterKind,
+        /// Its largest error; `None` if nothing is known.
+        error: Option<f64>,
+    },
     /// Choices without light.
     #[error(
         "the table returns less than 2 % of the light in every direction of [choices]; name \
@@ -93,6 +107,10 @@ pub struct Planned {
     pub candidates: usize,
     /// Choices that were left out because the table returns no light there.
     pub dark: usize,
+    /// Camera for which the errors hold, in words.
+    pub camera: String,
+    /// Warnings about the plan, one sentence each.
+    pub warnings: Vec<String>,
 }
 
 /// A photograph to take.
@@ -168,18 +186,21 @@ pub fn plan(plan: &Plan, table: &Table, given: Option<&ResultFile>) -> Result<Pl
     let foreseen = Foreseen::new(plan, table)?;
     let known = given.map(|result| foreseen.known(result)).transpose()?;
     let possible = foreseen.candidates.len() * plan.choices.repeat;
-    if plan.photographs > possible {
-        return Err(Error::TooMany {
-            asked: plan.photographs,
-            possible,
-        });
-    }
     let search = exchange::Search::new(&foreseen, known.as_ref(), plan);
-    let mut chosen = search.best(plan.photographs);
+    let expected = |chosen: &[usize]| foreseen.expected(chosen, known.as_ref());
+    let mut chosen = match plan.photographs {
+        Some(asked) if asked > possible => return Err(Error::TooMany { asked, possible }),
+        Some(asked) => search.best(asked),
+        None => fewest(plan, possible, |count| {
+            let chosen = search.best(count);
+            let errors = expected(&chosen);
+            (chosen, errors)
+        })?,
+    };
     chosen.sort_unstable();
-    let even = foreseen.even(plan.photographs);
+    let even = foreseen.even(chosen.len());
     let (mut more, mut further) = (chosen.clone(), Vec::new());
-    for _ in 0..FURTHER.min(possible - plan.photographs) {
+    for _ in 0..FURTHER.min(possible - chosen.len()) {
         more.push(search.next(&more));
         let photograph = foreseen.photograph(more[more.len() - 1]);
         let expected = foreseen.expected(&more, known.as_ref());
@@ -189,9 +210,13 @@ pub fn plan(plan: &Plan, table: &Table, given: Option<&ResultFile>) -> Result<Pl
             chi2: foreseen.chi2(&more)?,
         });
     }
+    let photographs: Vec<Photograph> = chosen.iter().map(|&i| foreseen.photograph(i)).collect();
+    let errors = expected(&chosen);
     Ok(Planned {
-        expected: foreseen.expected(&chosen, known.as_ref()),
-        photographs: chosen.iter().map(|&i| foreseen.photograph(i)).collect(),
+        camera: plan.camera.words(),
+        warnings: warnings(plan, &photographs, &errors),
+        expected: errors,
+        photographs,
         now: known
             .as_ref()
             .map(|known| foreseen.expected(&[], Some(known))),
@@ -202,6 +227,78 @@ pub fn plan(plan: &Plan, table: &Table, given: Option<&ResultFile>) -> Result<Pl
         candidates: foreseen.candidates.len(),
         dark: foreseen.dark,
     })
+}
+
+/// Returns the fewest photographs whose errors are as wanted, as `best` finds them for a number of
+/// them. Their number is bracketed by doubling, then bisected.
+///
+/// # Errors
+/// Returns [`Error::OutOfReach`] if no number that is planned is enough.
+fn fewest(
+    plan: &Plan,
+    possible: usize,
+    best: impl Fn(usize) -> (Vec<usize>, Vec<Expected>),
+) -> Result<Vec<usize>, Error> {
+    let most = possible.min(request::MOST);
+    let (mut below, mut count) = (0, 1);
+    let mut enough = loop {
+        let (chosen, errors) = best(count);
+        match (beyond(plan, &errors), count < most) {
+            (None, _) => break chosen,
+            (Some(_), true) => (below, count) = (count, (2 * count).min(most)),
+            (Some(own), false) => {
+                return Err(Error::OutOfReach {
+                    photographs: most,
+                    kind: own.parameter.kind,
+                    error: own.largest,
+                });
+            }
+        }
+    };
+    while count - below > 1 {
+        let middle = below + (count - below) / 2;
+        let (chosen, errors) = best(middle);
+        match beyond(plan, &errors) {
+            None => (count, enough) = (middle, chosen),
+            Some(_) => below = middle,
+        }
+    }
+    Ok(enough)
+}
+
+/// Returns a parameter whose largest error is above the wanted one.
+fn beyond<'a>(plan: &Plan, errors: &'a [Expected]) -> Option<&'a Expected> {
+    errors.iter().find(|own| {
+        let mut wanted = plan.within.iter();
+        let wanted = wanted.find(|(kind, _)| *kind == own.parameter.kind);
+        wanted.is_some_and(|&(_, most)| own.largest.is_none_or(|error| error > most))
+    })
+}
+
+/// Returns warnings about a plan: errors that are not reached, and incidences of which nothing will
+/// be known.
+fn warnings(plan: &Plan, photographs: &[Photograph], errors: &[Expected]) -> Vec<String> {
+    let beyond = beyond(plan, errors).map(|own| {
+        format!(
+            "{} photographs do not reach the errors of `within` ({}): leave out `photographs` to \
+            plan as few as are enough",
+            photographs.len(),
+            own.parameter
+        )
+    });
+    let incidences = plan.choices.incidence_deg.iter();
+    let left: Vec<String> = incidences
+        .filter(|&deg| photographs.iter().all(|own| own.incidence_deg != *deg))
+        .map(|deg| format!("{deg}\u{b0}"))
+        .collect();
+    let left = (!left.is_empty() && !plan.beliefs.per_angle.is_empty()).then(|| {
+        format!(
+            "no photograph at {}: what has one value per incidence stays unknown there; leave out \
+            `minimise` to learn all, or `per_angle = []` for one value",
+            left.join(", ")
+        )
+    });
+    beyond.into_iter().chain(left).collect()
 }
 
 impl Planned {
@@ -241,7 +338,8 @@ pub(crate) fn exhaustive(plan: &Plan, table: &Table) -> Result<(f64, f64), Error
     let foreseen = Foreseen::new(plan, table)?;
     let search = exchange::Search::new(&foreseen, None, plan);
     let (mut least, n) = (f64::INFINITY, foreseen.candidates.len());
-    let mut choice = vec![0; plan.photographs];
+    let count = plan.photographs.expect("a number");
+    let mut choice = vec![0; count];
     loop {
         least = least.min(search.of(&choice));
         let Some(i) = (0..choice.len()).rev().find(|&i| choice[i] + 1 < n) else {
@@ -250,14 +348,16 @@ pub(crate) fn exhaustive(plan: &Plan, table: &Table) -> Result<(f64, f64), Error
         let next = choice[i] + 1;
         choice[i..].fill(next);
     }
-    Ok((search.of(&search.best(plan.photographs)), least))
+    Ok((search.of(&search.best(count)), least))
 }
 
 /// Returns as many photographs as a plan asks for, spread evenly over its choices.
 #[cfg(test)]
 pub(crate) fn evenly(plan: &Plan, table: &Table) -> Result<Vec<Photograph>, Error> {
     let foreseen = Foreseen::new(plan, table)?;
-    let even = foreseen.even(plan.photographs).into_iter();
+    let even = foreseen
+        .even(plan.photographs.expect("a number"))
+        .into_iter();
     Ok(even.map(|i| foreseen.photograph(i)).collect())
 }
 

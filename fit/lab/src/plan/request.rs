@@ -13,6 +13,9 @@ use edges::readers;
 use estimator::estimate::Verdict;
 use estimator::result::{Parameter, ResultFile};
 
+/// Largest number of photographs that is planned.
+pub(super) const MOST: usize = 200;
+
 readers! {
     count = Bounds::new("between 1 and 200", |x| (1.0..=200.0).contains(&x));
 }
@@ -20,8 +23,11 @@ readers! {
 /// A plan that is asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Number of photographs of the mid-air edge. The source edge is photographed once more.
-    pub photographs: usize,
+    /// Number of photographs of the mid-air edge; `None` for as few as [`Plan::within`] needs. The
+    /// source edge is photographed once more.
+    pub photographs: Option<usize>,
+    /// Relative standard errors that are wanted everywhere in the beliefs.
+    pub within: Vec<(ParameterKind, f64)>,
     /// Parameters whose variances are minimised together; none if kernels are to be told apart and
     /// the plan names no parameter.
     pub minimise: Vec<ParameterKind>,
@@ -197,8 +203,22 @@ impl Plan {
             );
             return Err(document.error(why).into());
         }
+        let within = asked
+            .within
+            .map_or_else(Vec::new, |Table(within)| within.all());
+        if let Some((absent, _)) = within.iter().find(|(kind, _)| !possible.contains(kind)) {
+            let (absent, kernel) = (absent.name(), beliefs.kernel.name());
+            let why = format!("`within` names {absent}, which the kernel {kernel} does not have");
+            return Err(document.error(why).into());
+        }
+        if asked.photographs.is_none() && within.is_empty() {
+            let why = "`photographs` is missing; give their number, or the errors that are wanted: \
+                       within = { c_mm = 0.01 }";
+            return Err(document.error(why).into());
+        }
         Ok(Plan {
             photographs: asked.photographs,
+            within,
             minimise,
             rival,
             beliefs,
@@ -348,8 +368,10 @@ impl Beliefs {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Asked {
-    #[serde(deserialize_with = "count")]
-    photographs: usize,
+    #[serde(default, deserialize_with = "count")]
+    photographs: Option<usize>,
+    #[serde(default)]
+    within: Option<Table<Within>>,
     #[serde(default, deserialize_with = "parameters")]
     minimise: Option<Vec<ParameterKind>>,
     #[serde(default, deserialize_with = "told_apart")]
@@ -359,6 +381,29 @@ struct Asked {
     choices: toml::Spanned<Table<Choices>>,
     #[serde(default, deserialize_with = "table")]
     camera: PlantedCamera,
+}
+
+/// Relative standard errors that are wanted, as they are written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Within {
+    #[serde(default, deserialize_with = "share")]
+    c_mm: Option<f64>,
+    #[serde(default, deserialize_with = "share")]
+    a_per_mm: Option<f64>,
+    #[serde(default, deserialize_with = "share")]
+    a_times_r: Option<f64>,
+    #[serde(default, deserialize_with = "share")]
+    mu: Option<f64>,
+}
+
+impl Within {
+    fn all(&self) -> Vec<(ParameterKind, f64)> {
+        let errors = [self.c_mm, self.a_per_mm, self.a_times_r, self.mu];
+        let all = PLANNED.into_iter().zip(errors);
+        all.filter_map(|(kind, error)| Some((kind, error?)))
+            .collect()
+    }
 }
 
 fn once() -> usize {

@@ -104,6 +104,21 @@ pub struct PlantedCamera {
 }
 
 impl PlantedCamera {
+    /// Describes size and noise in a line.
+    pub(crate) fn words(&self) -> String {
+        format!(
+            "pictures of {} x {} pixels of {} mm, full well of {} electrons, read noise of {}, {} \
+            bits, lens blur of {} px",
+            self.width,
+            self.height,
+            self.pixel_pitch_mm,
+            self.full_well_e,
+            self.read_noise_e,
+            self.bits,
+            self.sigma_px
+        )
+    }
+
     /// Returns the blur of the lens, mm: its OTF is exp(-(f blur)^2) = exp(-2 (pi sigma f)^2).
     pub(crate) fn lens_blur_mm(&self) -> f64 {
         SQRT_2 * PI * self.sigma_px * self.pixel_pitch_mm

@@ -135,9 +135,10 @@ pub(in crate::cli) fn made(
     given: Option<&ResultFile>,
 ) -> Result<Made, Failure> {
     let mut asked = Plan::load(&arguments.plan, given)?;
-    let warnings = given.map_or_else(Vec::new, |result| asked.follow(result));
+    let mut warnings = given.map_or_else(Vec::new, |result| asked.follow(result));
     let pool = terminal::pool(arguments.threads)?;
     let planned = pool.install(|| plan(&asked, table, given))?;
+    warnings.extend(planned.warnings.iter().cloned());
     Ok(Made {
         manifest: planned.manifest(&asked.camera),
         planned,
@@ -190,6 +191,11 @@ fn text(planned: &Planned) -> String {
     if let Some(now) = &planned.now {
         text += &format!("\nof the given result alone: {}\n", by_kind(now));
     }
+    text += &format!(
+        "\nfor {}\nlens, pixel pitch, distances and exposures are taken as right; an estimate says \
+         what their errors would do\n",
+        planned.camera
+    );
     text += "\nwith further photographs:\n";
     for (number, further) in (photographs.len() + 1..).zip(&planned.further) {
         let own = row(number, &further.photograph);

@@ -54,7 +54,8 @@ fn cell() -> Table {
 /// Returns a plan for one sheet, which is known.
 fn certain(photographs: usize, minimise: &[ParameterKind]) -> Plan {
     Plan {
-        photographs,
+        photographs: Some(photographs),
+        within: Vec::new(),
         minimise: minimise.to_vec(),
         rival: None,
         beliefs: Beliefs::certain(Kernel::Eq1, C_MM, A_PER_MM, MU),
@@ -115,6 +116,45 @@ const SHARED: Choice = Choice {
 
 fn middle(expected: &[Expected]) -> [f64; 3] {
     [0, 1, 2].map(|i| expected[i].middle.expect("the photographs tell it"))
+}
+
+/// A plan without a number has the fewest photographs that reach the wanted error: one fewer does
+/// not. An error that no number reaches is refused.
+#[test]
+fn as_few_photographs_as_are_enough() {
+    let cell = cell();
+    let largest = |asked: &Plan| {
+        let planned = plan(asked, &cell, None).expect("a plan");
+        let own = planned.expected[0].largest.expect("c is determined");
+        (planned.photographs.len(), own, planned.warnings)
+    };
+    let all = [ParameterKind::CornerSize];
+    let (_, of_two, _) = largest(&certain(2, &all));
+    let mut cases = 0;
+    for share in [0.9, 0.5, 0.35] {
+        let wanted = share * of_two;
+        let mut asked = certain(100, &all);
+        asked.photographs = None;
+        asked.within = vec![(ParameterKind::CornerSize, wanted)];
+        let (count, error, warnings) = largest(&asked);
+        println!("{count} photographs: {error:.5} for {wanted:.5}");
+        assert!(error <= wanted && warnings.is_empty(), "{warnings:?}");
+        asked.photographs = Some(count - 1);
+        let (_, error, warnings) = largest(&asked);
+        assert!(error > wanted && warnings.len() == 1, "{warnings:?}");
+        cases += 1;
+    }
+    assert_eq!(cases, 3);
+    let mut asked = certain(3, &all);
+    asked.photographs = None;
+    asked.within = vec![(ParameterKind::CornerSize, 1e-3 * of_two)];
+    assert!(matches!(
+        plan(&asked, &cell, None),
+        Err(Error::OutOfReach {
+            photographs: 36,
+            ..
+        })
+    ));
 }
 
 /// The errors that a plan foresees are the Cramer-Rao bounds of the photographs that it plans, taken
