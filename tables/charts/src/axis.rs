@@ -88,7 +88,7 @@ impl Axis {
         if self.log && ratio >= 5.0 {
             let ends = [self.low.log10().floor(), self.high.log10().ceil()];
             let decades = ends[0] as i32..=ends[1] as i32;
-            let steps: &[f64] = if ratio > 30.0 {
+            let steps: &[f64] = if ratio > 120.0 {
                 &[1.0]
             } else {
                 &[1.0, 2.0, 5.0]
@@ -168,7 +168,12 @@ mod tests {
                 4,
                 vec!["0.2", "0.5", "1", "2"],
             ),
-            (Axis::logarithmic(3.0, 300.0), 4, vec!["10", "100"]),
+            (
+                Axis::logarithmic(3.0, 300.0),
+                4,
+                vec!["5", "10", "20", "50", "100", "200"],
+            ),
+            (Axis::logarithmic(2.0, 300.0), 4, vec!["10", "100"]),
             (
                 Axis::logarithmic(2.1, 4.0),
                 4,

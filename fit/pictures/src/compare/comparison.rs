@@ -50,9 +50,21 @@ pub struct Compared {
     /// Ranges of incidence in which the letters that were asked for are readable, degrees; null
     /// without such letters.
     pub readable_deg: Option<Vec<[f64; 2]>>,
+    /// Smallest letter that is readable over the whole range of the incidences; null for a single
+    /// incidence.
+    pub everywhere: Option<Everywhere>,
     /// The same numbers at every degree of the table, for charts.
     #[serde(skip)]
     pub curve: Vec<Legibility>,
+}
+
+/// Smallest letter that is readable over a range of incidence, in the ambient light if there is any.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Everywhere {
+    /// Its height, mm; null if some incidence has no readable letter.
+    pub height_mm: Option<f64>,
+    /// Incidence that decides, degrees: that of the largest letter, or the first one without any.
+    pub decided_at_deg: f64,
 }
 
 /// Numbers divided by those of another sheet. Their errors are taken as independent.
@@ -117,8 +129,10 @@ pub fn compare(
         let [assumed, others] = own.named(own.warnings(&at))?;
         assumptions.extend(assumed);
         warnings.extend(others);
+        warnings.extend(own.named(own.turned(&at))?);
         compared.push(Compared {
             name: own.name.clone(),
+            everywhere: Everywhere::of(&at, &curve),
             at,
             ratio,
             readable_deg,
@@ -244,9 +258,79 @@ impl Contender<'_> {
         Ok([assumed, others].map(|texts| texts.into_iter().map(named).collect()))
     }
 
+    /// Warns if the sheet would be far brighter when it is turned about its normal, at the place
+    /// where that helps most.
+    fn turned(&self, at: &[Legibility]) -> Result<Option<String>, estimator::Error> {
+        const FAR_BRIGHTER: f64 = 2.0;
+        const STEP_DEG: f64 = 10.0;
+        let Some(own_deg) = self.azimuth_deg else {
+            return Ok(None);
+        };
+        let table = self.sheet.table;
+        let period = 360.0 / f64::from(table.provenance.symmetry.rotations.max(1));
+        let mut best: Option<(f64, String)> = None;
+        for own in at {
+            for k in 1..(period / STEP_DEG).round() as usize {
+                let turn = k as f64 * STEP_DEG;
+                // A table of few azimuths does not tell.
+                let Ok(other) = table.direction(own.incidence_deg, Some(own_deg + turn)) else {
+                    continue;
+                };
+                let gain = other.retroreflected / own.retroreflected.max(1e-12);
+                if gain > FAR_BRIGHTER && best.as_ref().is_none_or(|(most, _)| gain > *most) {
+                    let times = match own.retroreflected > 1e-3 {
+                        true => format!("{gain:.1} times as bright"),
+                        false => "no longer dark".into(),
+                    };
+                    let deg = own.incidence_deg;
+                    let said = format!(
+                        "{}: turned by {turn} deg about its normal (--azimuth {}) the sheet is \
+                        {times} at incidence {deg} deg",
+                        self.name,
+                        own_deg + turn
+                    );
+                    best = Some((gain, said));
+                }
+            }
+        }
+        Ok(best.map(|(_, said)| said))
+    }
+
     /// Adds the name of the sheet to an error.
     fn named<T>(&self, found: Result<T, estimator::Error>) -> Result<T, Error> {
         found.map_err(|error| Error::Contender(self.name.clone(), error))
+    }
+}
+
+impl Everywhere {
+    /// Returns the largest letter at all places `at`, and at those of `curve` between them; `None`
+    /// for a single place.
+    fn of(at: &[Legibility], curve: &[Legibility]) -> Option<Everywhere> {
+        let degrees = || at.iter().map(|own| own.incidence_deg);
+        let first = degrees().fold(f64::INFINITY, f64::min);
+        let last = degrees().fold(f64::NEG_INFINITY, f64::max);
+        let between = curve
+            .iter()
+            .filter(|own| (first..=last).contains(&own.incidence_deg));
+        let mut all: Vec<&Legibility> = at.iter().chain(between).collect();
+        all.sort_by(|a, b| a.incidence_deg.total_cmp(&b.incidence_deg));
+        let mut most: Option<(f64, f64)> = None;
+        for own in all.into_iter().filter(|_| first < last) {
+            let letter = own.letter.unwrap_or(own.letter_in_the_dark);
+            let Some(height) = letter.height_mm.value else {
+                return Some(Everywhere {
+                    height_mm: None,
+                    decided_at_deg: own.incidence_deg,
+                });
+            };
+            if most.is_none_or(|(largest, _)| height > largest) {
+                most = Some((height, own.incidence_deg));
+            }
+        }
+        most.map(|(height, deg)| Everywhere {
+            height_mm: Some(height),
+            decided_at_deg: deg,
+        })
     }
 }
 

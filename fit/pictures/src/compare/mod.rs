@@ -11,7 +11,7 @@ mod page;
 mod seat;
 mod text;
 
-pub use comparison::{Compared, Comparison, Conditions, Contender, Ratio, compare};
+pub use comparison::{Compared, Comparison, Conditions, Contender, Everywhere, Ratio, compare};
 pub use gallery::{Gallery, Shown, gallery};
 pub use page::page;
 pub use seat::{Behind, Seat, Sight};

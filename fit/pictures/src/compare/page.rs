@@ -56,7 +56,7 @@ pub fn page(comparison: &Comparison, gallery: Option<&Gallery>, command: &str) -
          </body>\n</html>\n",
         STANDARD.encode(Sha256::digest(&style)),
         env!("CARGO_PKG_VERSION"),
-        escape(&(comparison.conditions.words() + &exposure)),
+        escape(&(comparison.words() + &exposure)),
     )
 }
 
@@ -134,6 +134,38 @@ fn cell(own: String, ratio: Option<Number>) -> String {
     format!("{own}{small}")
 }
 
+/// Writes the row of the pictures at one incidence: the source, then the image through each sheet.
+fn images_of(comparison: &Comparison, gallery: &Gallery, images: &[Shown], deg: &str) -> String {
+    let mut out = String::new();
+    let picture = |png: &[u8], what: &str| {
+        format!(
+            "<img alt=\"{}\" src=\"data:image/png;base64,{}\"/>",
+            escape(what),
+            STANDARD.encode(png)
+        )
+    };
+    let _ = write!(
+        out,
+        "<tr><th scope=\"row\">{}Source, {} mm</th>",
+        picture(&gallery.source, "Source"),
+        significant(gallery.width_mm, 3)
+    );
+    for (s, (image, sheet)) in images.iter().zip(&comparison.sheets).enumerate() {
+        let unknown = match image.is_unknown {
+            true => "<small>mu is not known: as bright as the source</small>",
+            false => "",
+        };
+        let what = format!("Mid-air image by {}, incidence {deg} degrees", sheet.name);
+        let _ = write!(
+            out,
+            "<td class=\"s{s}\">{}{unknown}</td>",
+            picture(&image.png, &what)
+        );
+    }
+    out.push_str("</tr>\n");
+    out
+}
+
 /// Writes the table of one incidence: a column per sheet, with its picture at the top.
 fn numbers(comparison: &Comparison, k: usize, shown: Option<(&Gallery, &[Shown])>) -> String {
     let (unit, factor) = comparison.conditions.luminances();
@@ -152,32 +184,7 @@ fn numbers(comparison: &Comparison, k: usize, shown: Option<(&Gallery, &[Shown])
     }
     out.push_str("</tr></thead>\n<tbody>\n");
     if let Some((gallery, images)) = shown {
-        let picture = |png: &[u8], what: &str| {
-            format!(
-                "<img alt=\"{}\" src=\"data:image/png;base64,{}\"/>",
-                escape(what),
-                STANDARD.encode(png)
-            )
-        };
-        let _ = write!(
-            out,
-            "<tr><th scope=\"row\">{}Source, {} mm</th>",
-            picture(&gallery.source, "Source"),
-            significant(gallery.width_mm, 3)
-        );
-        for (s, (image, sheet)) in images.iter().zip(&comparison.sheets).enumerate() {
-            let unknown = match image.is_unknown {
-                true => "<small>mu is not known: as bright as the source</small>",
-                false => "",
-            };
-            let what = format!("Mid-air image by {}, incidence {deg} degrees", sheet.name);
-            let _ = write!(
-                out,
-                "<td class=\"s{s}\">{}{unknown}</td>",
-                picture(&image.png, &what)
-            );
-        }
-        out.push_str("</tr>\n");
+        out.push_str(&images_of(comparison, gallery, images, &deg));
     }
     let mut row = |head: &str, of: &dyn Fn(&Compared) -> String| {
         let _ = write!(out, "<tr><th scope=\"row\">{head}</th>");
@@ -206,6 +213,12 @@ fn numbers(comparison: &Comparison, k: usize, shown: Option<(&Gallery, &[Shown])
         let ratio = own.ratio.get(k).map(|ratio| ratio.letter_in_the_dark);
         cell(letter(Some(own.at[k].letter_in_the_dark)), ratio)
     });
+    if let Some(range) = comparison.range() {
+        row(
+            &format!("Smallest letter readable at {range} (mm)"),
+            &|own| own.everywhere_in_words(),
+        );
+    }
     row("MTF50 (1/mm)", &|own| {
         let ratio = own.ratio.get(k).map(|ratio| ratio.mtf50_per_mm);
         cell(number(own.at[k].mtf50_per_mm, 1.0), ratio)
@@ -279,7 +292,7 @@ fn chart(
     let panel = Panel {
         x: Axis::linear(0.0, last),
         y,
-        frame: [52.0, 8.0, 324.0, 170.0],
+        frame: [52.0, 8.0, 324.0, 150.0],
     };
     let mut body = panel.grid(5, true) + &panel.names("incidence (\u{b0})", name);
     for (s, sheet) in comparison.sheets.iter().enumerate() {
@@ -295,7 +308,7 @@ fn chart(
     }
     format!(
         "<figure>{}<figcaption>{}</figcaption></figure>\n",
-        svg([384.0, 220.0], caption, &body),
+        svg([384.0, 200.0], caption, &body),
         escape(caption)
     )
 }

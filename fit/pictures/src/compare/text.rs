@@ -94,7 +94,40 @@ pub(super) fn lit(own: &Legibility, ambient: f64) -> Number {
     }
 }
 
+impl Compared {
+    /// Says which letters, mm, are readable over the whole range of incidence, and which incidence
+    /// decides.
+    pub(super) fn everywhere_in_words(&self) -> String {
+        self.everywhere.map_or("-".into(), |own| {
+            let deg = plain(own.decided_at_deg);
+            match own.height_mm {
+                Some(height) => format!("{} (at {deg}\u{b0})", significant(height, DIGITS)),
+                None => format!("none at {deg}\u{b0}"),
+            }
+        })
+    }
+}
+
 impl Comparison {
+    /// Describes distance, light, viewer and azimuth in a line.
+    pub(super) fn words(&self) -> String {
+        let azimuth = |sheet: &Compared| sheet.at.first().and_then(|at| at.azimuth_deg);
+        let first = self.sheets.first().and_then(azimuth);
+        let is_shared = self.sheets.iter().all(|sheet| azimuth(sheet) == first);
+        let azimuth = first.filter(|_| is_shared).map_or(String::new(), |deg| {
+            format!(", azimuth {}\u{b0}", plain(deg))
+        });
+        self.conditions.words() + &azimuth
+    }
+
+    /// Returns the range of incidence in words; `None` for a single incidence.
+    pub(super) fn range(&self) -> Option<String> {
+        let degrees = &self.conditions.incidence_deg;
+        let first = degrees.iter().copied().fold(f64::INFINITY, f64::min);
+        let last = degrees.iter().copied().fold(0.0, f64::max);
+        (first < last).then(|| format!("{}\u{b0} to {}\u{b0}", plain(first), plain(last)))
+    }
+
     /// Writes the numbers as a table, then ratios, readable ranges and agreement.
     pub fn text(&self) -> String {
         let conditions = &self.conditions;
@@ -125,8 +158,24 @@ impl Comparison {
                 ]);
             }
         }
-        let mut text = format!("{}\n\n{}", conditions.words(), aligned(&rows));
+        let mut text = format!("{}\n\n{}", self.words(), aligned(&rows));
+        if rows.iter().flatten().any(|cell| cell == "none") {
+            let _ = writeln!(
+                text,
+                "none: strokes of letters of any height stay below a contrast of {}",
+                self.criterion.contrast
+            );
+        }
         text.push_str(&self.ratios());
+        if let Some(range) = self.range() {
+            let row = |own: &Compared| vec![own.name.clone(), own.everywhere_in_words()];
+            let rows: Vec<_> = self.sheets.iter().map(row).collect();
+            let _ = write!(
+                text,
+                "\nsmallest letters (mm) readable at all incidences of {range}:\n{}",
+                aligned(&rows)
+            );
+        }
         if let Some(letter_mm) = conditions.letter_mm {
             let _ = writeln!(text, "\ncapital letters of {letter_mm} mm are readable:");
             let all = self.sheets.iter().map(|own| {

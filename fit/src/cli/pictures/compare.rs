@@ -218,8 +218,15 @@ fn pair(text: &str) -> Result<Pair, String> {
 }
 
 fn viewer(text: &str) -> Result<Viewer, String> {
+    // Nobody reads a mid-air image from farther away.
+    const FARTHEST_M: f64 = 200.0;
     let wrong = || "give a distance above 0, or three numbers: right,up,towards the viewer, m";
     let numbers = terminal::list(text)?;
+    if numbers.iter().any(|own| own.abs() > FARTHEST_M) {
+        return Err(format!(
+            "the viewer would be more than {FARTHEST_M} m away; give metres, not mm"
+        ));
+    }
     match numbers[..] {
         [distance] if distance > 0.0 => Ok(Viewer::Distance(distance)),
         [x, y, z] => Ok(Viewer::Place([x, y, z])),
@@ -295,9 +302,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn over_the_picture(sight: &Sight) -> String {
     let middle = sight.middle;
     let [least, most] = sight.incidence_deg;
+    let over = match most - least > 0.05 {
+        true => format!("; over the picture the incidence is {least:.1} to {most:.1} deg"),
+        false => String::new(),
+    };
     format!(
         "the viewer sees the middle of the image at incidence {:.1} deg and azimuth {:.1} deg, \
-        {:.0} mm from the sheet; over the picture the incidence is {least:.1} to {most:.1} deg",
+        {:.0} mm from the sheet{over}",
         middle.incidence_deg,
         middle.azimuth_deg.unwrap_or(0.0),
         middle.r_mm
