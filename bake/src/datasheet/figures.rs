@@ -58,9 +58,10 @@ fn figure(title: &str, facets: Vec<Facet>, columns: usize, scale: (f64, bool)) -
     let (highest, is_signed) = scale;
     let has_line = facets.iter().any(|facet| !facet.curves.is_empty());
     let figure = Figure {
-        note: match has_line {
-            true => "orange line: half of eta at normal incidence".into(),
-            false => String::new(),
+        note: match (has_line, is_signed) {
+            (true, _) => "line: half of eta at normal incidence; white: no light returns".into(),
+            (false, false) => "white: no light returns".into(),
+            (false, true) => String::new(),
         },
         frame: FRAME,
         bar: Some(Bar {
@@ -155,7 +156,10 @@ pub(crate) fn spots(sheet: &Datasheet) -> String {
                 points,
             )
         };
-        let names = ["across, in the plane of incidence (mrad)", "along v (mrad)"];
+        let names = [
+            "in the plane of incidence (mrad)",
+            "across the plane of incidence (mrad)",
+        ];
         let head = format!("incidence {incidence}\u{b0}");
         Facet::new(head, axes, names, own.map(curve).collect())
     };

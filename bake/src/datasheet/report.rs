@@ -23,11 +23,11 @@ impl CellFacts {
             EdgeLengthFrom::Longest => "longest edge from the apex",
         };
         let c = self.c_mm;
+        // Further digits are rounding of the file.
+        let digits = format!("{:.5e}", self.edge_length);
+        let edge_length = digits.parse().unwrap_or(self.edge_length);
         let mut words = vec![
-            (
-                "Edge length c",
-                format!("{} {unit} ({from})", self.edge_length),
-            ),
+            ("Edge length c", format!("{edge_length} {unit} ({from})")),
             (
                 "Depth",
                 format!("{:.4} mm from the apex to the front", c * self.depth),
@@ -54,7 +54,7 @@ impl CellFacts {
         words.push((
             "Lattice",
             match self.lattice {
-                None => "none: light ends at the rim of the mesh".into(),
+                None => "none: cells stand alone, light that crosses the rim is lost".into(),
                 Some([a, b]) => {
                     let [first, second] = [a, b].map(|[x, y]| x.hypot(y));
                     let cosine = (a[0] * b[0] + a[1] * b[1]) / (first * second);

@@ -91,27 +91,34 @@ pub(crate) struct Answer {
 }
 
 impl Answer {
-    /// Says which parameters of the best cell lie at an end of their range, beyond which a better
-    /// cell may lie.
+    /// Says which parameters of the written cell, and of both ends of the front, lie at an end of
+    /// their range, beyond which a better cell may lie.
     pub(crate) fn at_ends(&self, goal: &Goal) -> Vec<String> {
         // Share of a range that the search does not resolve.
         const NEAR: f64 = 1e-3;
-        let cell = &self.front[self.best].cell;
-        let varied = Candidate::varied(cell.shape, &goal.ranges).into_iter();
-        let at_end = varied.filter(|&(place, [from, to])| {
-            let value = cell.values[place];
-            (value - from).min(to - value) < NEAR * (to - from)
-        });
-        at_end
-            .map(|(place, [from, to])| {
-                format!(
-                    "{} = {:.4} lies at an end of its range {from} to {to}: a wider range may hold a \
-                    better cell",
-                    Parameter::ALL[place].name(),
-                    cell.values[place]
-                )
-            })
-            .collect()
+        let last = self.front.len() - 1;
+        let cells = [
+            (self.best, ""),
+            (0, "brightest cell: "),
+            (last, "sharpest cell: "),
+        ];
+        let mut said: Vec<(&str, String)> = Vec::new();
+        for (place, whose) in cells {
+            let cell = &self.front[place].cell;
+            for (place, [from, to]) in Candidate::varied(cell.shape, &goal.ranges) {
+                let value = cell.values[place];
+                let name = Parameter::ALL[place].name();
+                let is_near = (value - from).min(to - value) < NEAR * (to - from);
+                if is_near && said.iter().all(|(own, _)| *own != name) {
+                    let sentence = format!(
+                        "{whose}{name} = {value:.4} lies at an end of its range {from} to {to}: a \
+                        wider range may hold a better cell"
+                    );
+                    said.push((name, sentence));
+                }
+            }
+        }
+        said.into_iter().map(|(_, sentence)| sentence).collect()
     }
 
     /// Says which cell to take if one of both quantities hardly varies along the front.

@@ -6,6 +6,7 @@ use crate::optimise::goal::{Best, Goal, Parameter};
 use charts::{Axis, Curve, Dash, Facet, Figure, HUES, Marks, Stroke};
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::path::Path;
 
 /// Lines of a front that are printed; all are in the JSON.
 const MOST_LINES: usize = 9;
@@ -91,8 +92,16 @@ pub(crate) fn text(goal: &Goal, answer: &Answer, file: &str, seconds: f64) -> St
     }
     let count = answer.front.len();
     if count > 1 {
-        let _ = writeln!(out, "\nfront of {count} cells\n   MTF  luminance  cell");
         let lines = count.min(MOST_LINES);
+        let some = if lines < count {
+            format!(", {lines} of them shown (--json has all)")
+        } else {
+            String::new()
+        };
+        let _ = writeln!(
+            out,
+            "\nfront of {count} cells{some}\n   MTF  luminance  cell"
+        );
         let places = (0..lines).map(|k| k * (count - 1) / (lines - 1));
         for own in places.map(|place| &answer.front[place]) {
             let (mtf, luminance) = (own.quality.mtf, own.quality.luminance);
@@ -119,12 +128,36 @@ pub(crate) fn text(goal: &Goal, answer: &Answer, file: &str, seconds: f64) -> St
             own.by_rays, own.standard_error, own.eta
         );
     }
+    let page = Path::new(file).with_extension("html");
     let _ = writeln!(
         out,
-        "\nsee more: bake datasheet {file} -o best.html --refractive-index {:.4} --unit mm",
-        cell.value(Parameter::Index)
+        "\nsee more: bake datasheet {file} -o {} --refractive-index {:.4} --unit mm{}",
+        page.display(),
+        cell.value(Parameter::Index),
+        seen(goal)
     );
     out
+}
+
+/// Returns the options by which a data sheet looks from the first view of a goal, with at most four
+/// incidences.
+fn seen(goal: &Goal) -> String {
+    let Some(first) = goal.aims.first() else {
+        return String::new();
+    };
+    let mut incidences: Vec<f64> = goal.aims.iter().map(|aim| aim.direction_deg[0]).collect();
+    incidences.sort_by(f64::total_cmp);
+    incidences.dedup();
+    let list: Vec<String> = incidences.iter().take(4).map(f64::to_string).collect();
+    let distance = first
+        .distances
+        .first()
+        .map_or(String::new(), |(mm, _)| format!(" --distance {mm}"));
+    format!(
+        "{distance} --incidence {} --azimuth {}",
+        list.join(","),
+        first.direction_deg[1]
+    )
 }
 
 /// Returns the answer as JSON; `seconds` is the time of the search.

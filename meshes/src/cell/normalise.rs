@@ -107,13 +107,13 @@ fn opened(surface: &Surface<'_>, warnings: &mut Vec<String>) -> Result<Mesh, Fau
             .corners()
             .into_iter()
             .find(|corner| !corner.hollow);
-        return prism::open(&surface, corner.as_ref());
+        return prism::open(&surface, corner.as_ref(), warnings);
     }
     let corner = Fans::new(surface)
         .corners()
         .into_iter()
         .find(|corner| !corner.hollow);
-    prism::open(surface, corner.as_ref())
+    prism::open(surface, corner.as_ref(), warnings)
 }
 
 /// Turns a hollow surface over if it has peaks and no hollow corner.

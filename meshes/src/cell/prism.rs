@@ -64,6 +64,17 @@ fn flat_faces(surface: &Surface<'_>) -> Vec<u32> {
         .collect()
 }
 
+/// Returns a warning about faces at right angles to the front, by their numbers, if there are any.
+fn side_walls(faces: Vec<u32>) -> Option<String> {
+    let first = faces.iter().min()?;
+    Some(format!(
+        "{} faces, the first of them face {first}, stand at right angles to the front, as the side \
+        walls of a solid block do: here they are mirrors that a sheet does not have, and light that \
+        meets them is lost. Delete them, and let the front end at the rim of the cell",
+        faces.len()
+    ))
+}
+
 /// Returns the mirror facets of a closed, outward-wound prism, turned to face the light inside it.
 ///
 /// The front face is the largest flat face that has the whole prism behind it and looks away from
@@ -72,7 +83,11 @@ fn flat_faces(surface: &Surface<'_>) -> Vec<u32> {
 ///
 /// # Errors
 /// Returns [`Fault::NoFrontFace`] if there is no such face.
-pub(crate) fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mesh, Fault> {
+pub(crate) fn open(
+    surface: &Surface<'_>,
+    corner: Option<&Corner>,
+    warnings: &mut Vec<String>,
+) -> Result<Mesh, Fault> {
     let mesh = surface.mesh;
     let face_of = flat_faces(surface);
     let mut area = vec![DVec3::ZERO; surface.welded.len()];
@@ -125,6 +140,10 @@ pub(crate) fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mes
         flat && surface.normals[triangle].dot(normal) > 0.0
     };
     let kept: Vec<usize> = (0..face_of.len()).filter(|&t| !in_front(t)).collect();
+    let walls = kept
+        .iter()
+        .filter(|&&t| surface.normals[t].dot(normal).abs() < SMOOTH);
+    warnings.extend(side_walls(walls.map(|&t| mesh.face_number(t)).collect()));
     let triangles = kept
         .iter()
         .map(|&t| mesh.triangles[t])

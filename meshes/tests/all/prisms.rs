@@ -70,3 +70,53 @@ fn a_prism_is_its_hollow_cell_with_a_front_face() {
     }
     assert_eq!(cases, 48);
 }
+
+/// A block whose front is a slab above the rim has side walls, which a sheet has not. It is told
+/// their number, and no wall is seen where the front ends at the rim.
+#[test]
+fn side_walls_of_a_block_are_named() {
+    let mut cases = 0;
+    for (shape, rim) in [
+        (Shape::Triangular, &[1, 2, 3][..]),
+        (Shape::TriangularPair, &[1, 5, 2, 3]),
+    ] {
+        let hollow = Design::new(shape).mesh().expect("a design");
+        let [a, b, c] = [0, 1, 2].map(|k| hollow.positions[rim[k] as usize]);
+        let up = (b - a).cross(c - a).normalize();
+        let inside = hollow.positions[0] - a;
+        let up = up * -up.dot(inside).signum();
+        for height in [0.0, 0.1, 2.0] {
+            let mut block = hollow.clone();
+            block.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            let mut top = rim.to_vec();
+            if height > 0.0 {
+                for own in &mut top {
+                    block
+                        .positions
+                        .push(block.positions[*own as usize] + height * up);
+                    *own = block.positions.len() as u32 - 1;
+                }
+                for i in 0..rim.len() {
+                    let j = (i + 1) % rim.len();
+                    block.triangles.push([rim[i], rim[j], top[j]]);
+                    block.triangles.push([rim[i], top[j], top[i]]);
+                }
+            }
+            block
+                .triangles
+                .extend((1..top.len() - 1).map(|i| [top[0], top[i], top[i + 1]]));
+            block.refractive_index = Some(1.49);
+            let warnings = cell(&block).warnings;
+            let walls = format!("{} faces", 2 * rim.len());
+            let named = warnings.iter().filter(|own| own.starts_with(&walls));
+            let expected = usize::from(height > 0.0);
+            assert_eq!(
+                (named.count(), warnings.len()),
+                (expected, expected),
+                "{warnings:?}"
+            );
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 6);
+}
