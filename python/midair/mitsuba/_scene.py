@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from midair._errors import Error
-from midair._fit import Result
+from midair._fit import Result, load
 from midair._picture import Picture, is_file
 from midair._picture import picture as read_picture
 from midair._table import Table
@@ -177,6 +177,7 @@ def scene(
     bsdf = sheet(table, params=params, **{"first_edge": list(edge), **keys})
     if params is not None:
         bsdf.setdefault("R", float(distance))
+        _remark(table, params, (distance, incidence, azimuth), keys.get("channel"))
     camera: dict[str, Any] = {
         "type": "perspective" if aperture is None else "thinlens",
         "fov_axis": "x",
@@ -227,6 +228,23 @@ def scene(
             "bsdf": bsdf,
         },
     }
+
+
+def _remark(
+    table: Table | File | None,
+    params: Result | File,
+    place: tuple[float, float, float],
+    channel: str | None,
+) -> None:
+    """Warn where a result does not hold at a place, as its predictions do."""
+    try:
+        if not isinstance(params, Result):
+            if table is None:
+                return
+            params = load(params, table, channel=channel)
+        params.predict(*place, table=table if isinstance(table, Table) else None)
+    except Error:
+        pass  # The sheet says what is wrong when the scene is loaded.
 
 
 def _placed(middle: Any, right: Any, up: Any) -> Any:
