@@ -129,7 +129,7 @@ pub fn compare(
         let [assumed, others] = own.named(own.warnings(&at))?;
         assumptions.extend(assumed);
         warnings.extend(others);
-        warnings.extend(own.named(own.turned(&at))?);
+        warnings.extend(own.turned(&at));
         compared.push(Compared {
             name: own.name.clone(),
             everywhere: Everywhere::of(&at, &curve),
@@ -260,12 +260,10 @@ impl Contender<'_> {
 
     /// Warns if the sheet would be far brighter when it is turned about its normal, at the place
     /// where that helps most.
-    fn turned(&self, at: &[Legibility]) -> Result<Option<String>, estimator::Error> {
+    fn turned(&self, at: &[Legibility]) -> Option<String> {
         const FAR_BRIGHTER: f64 = 2.0;
         const STEP_DEG: f64 = 10.0;
-        let Some(own_deg) = self.azimuth_deg else {
-            return Ok(None);
-        };
+        let own_deg = self.azimuth_deg?;
         let table = self.sheet.table;
         let period = 360.0 / f64::from(table.provenance.symmetry.rotations.max(1));
         let mut best: Option<(f64, String)> = None;
@@ -293,7 +291,7 @@ impl Contender<'_> {
                 }
             }
         }
-        Ok(best.map(|(_, said)| said))
+        best.map(|(_, said)| said)
     }
 
     /// Adds the name of the sheet to an error.

@@ -200,6 +200,46 @@ fn the_page_follows_its_menu_and_fits_a_screen() {
     assert!((1..=2).contains(&pages), "{pages} pages");
 }
 
+/// The letter of a range is the largest of its incidences: prisms fade with the angle, so that the
+/// last one decides. Hollow cubes at azimuth 0 lose their light between 20 and 30 degrees, and return
+/// it when they are turned by 60 degrees. A viewer in mm is refused.
+#[test]
+fn a_range_of_incidence_has_one_letter() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let light = "--luminance 500 --ambient-nits 100 --json";
+    let sheets = "compare --sheet prism-0.2 --sheet hollow-0.2";
+    let line = format!("{sheets} --distance 1000 --incidence 0:40:10 {light}");
+    let found = json(here, &line);
+    let [prism, hollow] = [0, 1].map(|k| &found["sheets"][k]);
+    let letters = prism["at"].as_array().expect("places");
+    let letters: Vec<f64> = letters
+        .iter()
+        .map(|at| number(&at["letter"]["height_mm"]))
+        .collect();
+    assert!(letters.len() == 5 && letters.windows(2).all(|pair| pair[0] < pair[1]));
+    assert_eq!(prism["everywhere"]["height_mm"], letters[4]);
+    assert_eq!(prism["everywhere"]["decided_at_deg"], 40.0);
+    assert_eq!(hollow["everywhere"]["height_mm"], Value::Null);
+    let decided = hollow["everywhere"]["decided_at_deg"].as_f64();
+    assert!(decided.is_some_and(|deg| (20.0..=30.0).contains(&deg)));
+    let warnings = found["warnings"].to_string();
+    assert!(
+        warnings.contains("hollow-0.2: turned by 60 deg"),
+        "{warnings}"
+    );
+    assert!(!warnings.contains("prism-0.2: turned"), "{warnings}");
+    let run = fit(
+        here,
+        "compare --sheet prism-0.2 --distance 1000 --viewer 500,300,2000",
+    );
+    assert!(
+        run.code == Some(2) && run.err.contains("metres"),
+        "{}",
+        run.err
+    );
+}
+
 /// On a terminal, the long loops of pictures and pages show what is done of how much, and the rate.
 /// Nothing of it goes to a pipe.
 #[test]
