@@ -268,7 +268,7 @@ def _quantile(lobe: str) -> Any:
         t = np.linspace(0, _CUT, 400_001)
         density = np.sin(t) ** 2 / np.maximum(t, 1e-300)
         values = np.interp(share, _mass(t, density), t)
-    else:
+    elif lobe == "separable":
         t = np.concatenate([np.linspace(0, 40, 400_001), np.geomspace(40, 1e6, 2_000_001)[1:]])
         density = (np.sinc(t / np.pi)) ** 2
         # Beyond 40 the square of the sine is replaced by its mean, 1/2.
@@ -276,6 +276,8 @@ def _quantile(lobe: str) -> Any:
         mass = _mass(t, density) * (1 - 1 / (np.pi * 1e6))
         inner = np.interp(share[:-1], mass, t) * (1 - share[:-1])
         values = np.append(inner, 1 / np.pi)
+    else:
+        raise Error(f"midair_sheet has no samples of the lobe {lobe}; name another one")
     pairs = np.column_stack([values, np.append(np.diff(values), 0)]).astype(np.float32).ravel()
     return pairs if is_scalar() else mi.Float(pairs)
 
