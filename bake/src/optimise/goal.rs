@@ -98,10 +98,15 @@ impl Parameter {
     /// Only canted cells have a cant. A truncated pair is a smaller pair, so that only full cubes
     /// have a truncation.
     pub(crate) fn is_of(self, shape: Shape) -> bool {
+        let [cant, truncation] = match shape {
+            Shape::Triangular | Shape::TriangularPair => [false, false],
+            Shape::FullCube => [false, true],
+            Shape::Canted => [true, false],
+        };
         match self {
-            Parameter::Cant => shape == Shape::Canted,
-            Parameter::Truncation => shape == Shape::FullCube,
-            _ => true,
+            Parameter::Cant => cant,
+            Parameter::Truncation => truncation,
+            Parameter::EdgeLength | Parameter::Index | Parameter::Error(_) => true,
         }
     }
 }

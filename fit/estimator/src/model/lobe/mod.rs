@@ -104,7 +104,10 @@ impl Lobe for LobeShape {
     }
 
     fn round(self) -> bool {
-        self != LobeShape::Separable
+        match self {
+            LobeShape::Radial | LobeShape::Gaussian | LobeShape::Beckmann | LobeShape::Ggx => true,
+            LobeShape::Separable => false,
+        }
     }
 }
 
