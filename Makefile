@@ -28,7 +28,7 @@ all: build
 build install demo wheel: export AIRR_COMMIT := $(shell git rev-parse --short HEAD 2>/dev/null)
 
 build: tools
-	@test -x $(BIN)/fit || echo "building bake and fit: 5 to 9 minutes on 2 cores" >&2
+	@test -x $(BIN)/fit || echo "building bake and fit: 4 to 8 minutes on 2 cores" >&2
 	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit -p reader
 
 # What `build` made, copied to where cargo puts programs: nothing is compiled twice.
