@@ -221,7 +221,6 @@ metrics = { test -x .tools/metrics/bin/python || $(PYTHON) -m venv .tools/metric
 # The module takes what `build` compiled and links it once more. The tag of the file follows from the
 # C library that the programs need (python/build_backend.py).
 wheel: build
-	@test -e $(BIN)/lib_midair.so || echo "wheel: linking the module takes 2 to 4 minutes" >&2
 	@rm -rf dist && $(call wheel_into,dist)
 
 # $(1): a folder.
