@@ -53,6 +53,7 @@ fn placed(mesh: &Mesh, rotation: DQuat, scale: f64, offset: DVec3) -> Mesh {
     Mesh {
         positions,
         lattice,
+        edge_length: mesh.edge_length.map(|length| length * scale),
         ..mesh.clone()
     }
 }
@@ -290,7 +291,7 @@ fn files_read_back_what_was_written() {
             }
         }
     }
-    assert_eq!(cases, 16);
+    assert_eq!(cases, 4 * Shape::ALL.len());
     assert_eq!(
         std::fs::read_dir(folder.path())
             .expect("the folder")

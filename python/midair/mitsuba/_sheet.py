@@ -186,7 +186,11 @@ def sheet_class(delta: type) -> type:
             s = ratio * t
             if self.numbers.lobe == "gaussian":
                 return ratio * ratio * dr.exp(-s * s)
-            return ratio * ratio * choose(s < _CUT, sinc2(s), 0)
+            if self.numbers.lobe == "radial":
+                return ratio * ratio * choose(s < _CUT, sinc2(s), 0)
+            raise Error(
+                f"midair_sheet has no density of the lobe {self.numbers.lobe}; name another one"
+            )
 
         def _spread(self, spread: Any, sine: Any, along: Any, across: Any) -> tuple[Any, Any]:
             """Add the angular spread: Gaussian, wider in the plane of incidence by refraction."""

@@ -193,7 +193,10 @@ fn derivatives_of_the_likelihood_match_differences() {
         }
     }
     // Parameters of the blur, and one of the lens.
-    assert_eq!(cases, 3 * ((3 + 1) + (3 + 1) + (1 + 1) + (2 + 1) + (1 + 1)));
+    assert_eq!(
+        cases,
+        LobeShape::ALL.len() * ((3 + 1) + (3 + 1) + (1 + 1) + (2 + 1) + (1 + 1))
+    );
 }
 
 /// All pixels of all photographs, one by one, with the light of the simulator in place of the

@@ -96,7 +96,7 @@ fn model_equals_noise_free_photographs() {
             }
         }
     }
-    assert_eq!(cases, 5 * 3 * 3);
+    assert_eq!(cases, 5 * LobeShape::ALL.len() * 3);
     assert!(
         worst < 2e-5 / 0.05 + 2e-5,
         "largest difference of profile and model: {worst:.2e} of the step"
@@ -158,7 +158,7 @@ fn derivatives_match_differences() {
             }
         }
     }
-    assert_eq!(cases, 3 * (1 + 1 + 2 + 3 + 3));
+    assert_eq!(cases, LobeShape::ALL.len() * (1 + 1 + 2 + 3 + 3));
 }
 
 /// Checks a bound of a term that was left out against its definition: a normal number about the

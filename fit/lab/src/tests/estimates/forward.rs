@@ -135,9 +135,9 @@ fn curves_are_those_of_the_closed_form() {
             }
         }
     }
-    // Two photographs, two sequences, three shapes. eq1 and angular have two derivatives, shift and
+    // Two photographs, two sequences, all shapes. eq1 and angular have two derivatives, shift and
     // lobe have one.
-    assert_eq!(cases, 2 * 2 * 3 * (3 + 3 + 2 + 2));
+    assert_eq!(cases, 2 * 2 * LobeShape::ALL.len() * (3 + 3 + 2 + 2));
 }
 
 /// The gradient of the sampled sum of squares matches differences of that sum with the same

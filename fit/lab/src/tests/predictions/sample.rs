@@ -79,7 +79,10 @@ fn the_lobes_samples_have_its_otf() {
         gains[0],
         gains[gains.len() / 2]
     );
-    assert_eq!(cases, 5 * 7 * 3);
+    assert_eq!(
+        cases,
+        (LobeShape::ALL.len() + LobeShape::MICROFACETS.len()) * 7 * 3
+    );
     // An Owen-scrambled net never has more than e = 2.72 times the variance (Owen 1997). Two
     // variances with 15 degrees of freedom each scatter by a factor of 6 in 1 of 10^3.
     assert!(gains[0] > 1.0 / (2.72 * 6.0));
