@@ -27,11 +27,7 @@ pub fn page(planned: &Planned, title: &str, command: &str) -> String {
     let warnings = planned.warnings.iter();
     let warnings = warnings.map(|own| format!("<p>{}.</p>\n", escape(own)));
     body.extend(warnings);
-    body.push_str(&format!(
-        "<p>The errors hold for {}. Lens, pixel pitch, distances and exposures are taken as right; an \
-         estimate says what their errors would do.</p>\n",
-        escape(&planned.camera)
-    ));
+    body.push_str(&format!("<p>{}</p>\n", escape(&planned.conditions())));
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\

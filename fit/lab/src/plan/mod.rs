@@ -302,6 +302,15 @@ fn warnings(plan: &Plan, photographs: &[Photograph], errors: &[Expected]) -> Vec
 }
 
 impl Planned {
+    /// Returns in two sentences under which conditions the errors hold.
+    pub fn conditions(&self) -> String {
+        format!(
+            "The errors hold for {}. Lens, pixel pitch, distances and exposures are taken as right; \
+             an estimate says what their errors would do.",
+            self.camera
+        )
+    }
+
     /// Returns the manifest to fill in: with the names of the photographs to come, and their
     /// exposures as they should be.
     pub fn manifest(&self, camera: &PlantedCamera) -> String {

@@ -191,11 +191,7 @@ fn text(planned: &Planned) -> String {
     if let Some(now) = &planned.now {
         text += &format!("\nof the given result alone: {}\n", by_kind(now));
     }
-    text += &format!(
-        "\nfor {}\nlens, pixel pitch, distances and exposures are taken as right; an estimate says \
-         what their errors would do\n",
-        planned.camera
-    );
+    text += &format!("\n{}\n", planned.conditions());
     text += "\nwith further photographs:\n";
     for (number, further) in (photographs.len() + 1..).zip(&planned.further) {
         let own = row(number, &further.photograph);
