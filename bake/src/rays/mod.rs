@@ -17,6 +17,7 @@ pub(crate) mod programs;
 mod rough;
 mod scene;
 mod simd;
+mod walls;
 
 pub(crate) use accumulator::{Accumulator, Bins, Sums};
 pub(crate) use entries::SampleRange;
