@@ -1,8 +1,8 @@
 //! The returned share at many directions, without the histograms and paths of each.
 
 use crate::error::Error;
-use crate::lookup::direction::Bracket;
 use crate::lookup::family::Family;
+use crate::lookup::grid_cell::Bracket;
 use crate::table::table::Table;
 
 /// Gap in which the last direction lay, and its paths; `None` if they cannot be interpolated.

@@ -7,6 +7,7 @@ pub(crate) mod between;
 pub(crate) mod course;
 pub(crate) mod direction;
 pub(crate) mod family;
+pub(crate) mod grid_cell;
 pub(crate) mod many;
 pub(crate) mod moved;
 pub(crate) mod passage;
