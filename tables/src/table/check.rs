@@ -5,14 +5,15 @@
 //! allows 1e-9. The areas of polygons whose coordinates are some edge lengths stay within it too,
 //! with room to spare.
 
+mod polygons;
+
 use ndarray::{Array2, Array4, Array5, Axis, s};
 
 use crate::options::Method;
 use crate::table::axes::Axes;
+use crate::table::check::polygons::polygons;
 use crate::table::deviation::{Deviations, Entry, Grid};
-use crate::table::exact::{Exact, Path};
 use crate::table::fate::Fate;
-use crate::table::flat::FlatPaths;
 use crate::table::provenance::Provenance;
 use crate::table::symmetry::MOST_ROTATIONS;
 use crate::table::table::Table;
@@ -29,22 +30,6 @@ const FARTHEST: f64 = 1e6;
 /// incidences by 360 azimuths.
 pub const MOST_DIRECTIONS: usize = 100_000;
 
-/// Greatest number of paths of a direction.
-///
-/// Cubes with worn edges, errors and a front that traps light have 32. A curved face that planes
-/// stand for has 14,000 with 1,536 facets, and 19,000 with 2,048, the most that the exact method
-/// takes.
-const MOST_PATHS: usize = 1 << 15;
-
-/// Greatest number of corners of a polygon. Those of all designs have up to 9.
-const MOST_CORNERS: usize = 64;
-
-/// Greatest number of polygons of a direction whose shifts cover the whole histogram, together.
-///
-/// Whoever sums them up over the bins spends a pass over all bins for each. The tens of polygons of
-/// a sheet cover some per cent each, the thousands of a curved face far less.
-const MOST_COVERS: usize = 1024;
-
 /// Greatest number of rays of a direction: f64 does not hold greater numbers exactly.
 pub(crate) const MOST_RAYS: u64 = 1 << 53;
 
@@ -60,6 +45,8 @@ macro_rules! broken {
         return Err(Invalid(format!($($words)*)))
     };
 }
+
+use broken;
 
 /// Checks all rules of a table.
 ///
@@ -438,82 +425,6 @@ fn deviations(table: &Table, found: &Deviations) -> Result<(), Invalid> {
                 "the deviations of direction {direction} have {deviations} rays in the cell (v, \
                 u) = {cell:?}, counts has {}",
                 counted[cell]
-            );
-        }
-    }
-    Ok(())
-}
-
-/// Returns the part of a histogram in which the shifts of a path lie, by the rectangle around them.
-fn cover(path: &Path, range: f64) -> f64 {
-    let shifts: Vec<[f64; 2]> = path
-        .polygon
-        .iter()
-        .map(|&corner| path.shift(corner))
-        .collect();
-    let side = |axis: usize| {
-        let along = shifts.iter().map(|shift| shift[axis].clamp(-range, range));
-        let (low, high) = along.fold((range, -range), |(low, high), x| (low.min(x), high.max(x)));
-        (high - low).max(0.0) / (2.0 * range)
-    };
-    side(0) * side(1)
-}
-
-/// Checks the polygons of an exact table: numbers, corners, areas, and their sum against eta.
-fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
-    let (incidences, azimuths) = table.axes.shape();
-    // A mean over azimuths has no polygons of its own. Its lists are empty, or hold polygons that
-    // belong to no single direction.
-    let directions = [incidences * azimuths];
-    shape("exact paths", &[exact.paths.len()], &directions)?;
-    within(
-        "entrance_area",
-        [&exact.entrance_area],
-        "above 0 to 1e12",
-        |x| x > 0.0 && x <= FARTHEST * FARTHEST,
-    )?;
-    for (direction, paths) in exact.paths.iter().enumerate() {
-        let number = || format!("the paths of direction {direction}");
-        most(MOST_PATHS, paths.len(), number)?;
-        for (index, path) in paths.iter().enumerate() {
-            let corners = || format!("the corners of path {index} of direction {direction}");
-            most(MOST_CORNERS, path.polygon.len(), corners)?;
-        }
-        let covers: f64 = paths.iter().map(|path| cover(path, table.axes.range)).sum();
-        let all_over = || format!("the polygons over the whole histogram of direction {direction}");
-        most(MOST_COVERS, covers as usize, all_over)?;
-    }
-    let flat = FlatPaths::new(exact);
-    // Sums of products of such numbers are finite, and no light goes farther than [`FARTHEST`].
-    let bounded = |x: f64| x.abs() <= FARTHEST;
-    within("path_matrix", &flat.matrix, "-1e6 to 1e6", bounded)?;
-    within("path_offset", &flat.offset, "-1e6 to 1e6", bounded)?;
-    within("path_deviation", &flat.deviation, "-1e6 to 1e6", bounded)?;
-    within("path_jones", &flat.jones, "-1e6 to 1e6", bounded)?;
-    within("path_weight", &flat.weight, "0 to 1", |x| {
-        (0.0..=1.0).contains(&x)
-    })?;
-    within("polygon_vertex", &flat.vertex, "-1e6 to 1e6", bounded)?;
-    for (direction, paths) in exact.paths.iter().enumerate() {
-        let mut returned = 0.0;
-        for (index, path) in paths.iter().enumerate() {
-            let area = crate::table::polygon::area(&path.polygon);
-            // Rounding may give a sliver an area just below 0.
-            if path.polygon.len() < 3 || area < -SUM * exact.entrance_area {
-                let corners = path.polygon.len();
-                broken!(
-                    "path {index} of direction {direction} has a polygon of {corners} corners and \
-                    area {area}"
-                );
-            }
-            returned += path.weight * area / exact.entrance_area;
-        }
-        let here = (direction / azimuths, direction % azimuths);
-        let eta = table.retroreflected[[here.0, here.1]];
-        if !table.axes.is_mean() && (returned - eta).abs() > SUM {
-            broken!(
-                "polygons of direction {here:?} return {returned} of the power, retroreflected \
-                says {eta}"
             );
         }
     }
