@@ -13,5 +13,6 @@ pub(crate) mod joint;
 pub mod layout;
 pub mod loss;
 pub mod optimum;
+mod score;
 pub mod select;
 pub mod start;

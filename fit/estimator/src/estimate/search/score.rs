@@ -1,0 +1,155 @@
+//! The score of further blurs: what one evaluation tells of blurs that a candidate does not have.
+//!
+//! At the optimum of the candidate, a step of Gauss and Newton along their columns tells by how much
+//! they would lower the sum of squares.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::estimate::scene::Scene;
+use crate::estimate::search::layout::{Choice, Layout};
+use crate::estimate::search::loss::Loss;
+use crate::model::Further;
+use edges::names::Kernel;
+
+/// Share of a column's square that has to be left after the other columns are projected out. Below
+/// it the photographs do not tell the blur from the other parameters.
+const INDEPENDENT: f64 = 1e-8;
+
+/// Least singular value of the normal matrix of unit columns that counts: rounding is a hundredth of
+/// it.
+const UNNOTICED: f64 = 1e-13;
+
+/// Returns the further blurs that a candidate may have. Without a reference the lens is free
+/// already. The facets of a baseline spread the light as dihedral errors do.
+pub(super) fn possible(scene: &Scene, kernel: Kernel) -> Further {
+    Further {
+        own_blur: scene.reference.is_some() && !kernel.is_baseline(),
+        angular_spread: !kernel.is_baseline(),
+        is_ring: false,
+    }
+}
+
+/// Information on further blurs that a candidate does not have, at one point. Their columns come in
+/// the order of [`Layout`].
+pub(super) struct Score {
+    /// Blurs of the columns.
+    further: Further,
+    /// Information, with the parameters of the candidate projected out.
+    information: DMatrix<f64>,
+    /// Columns times residuals, projected likewise.
+    pull: DVector<f64>,
+    /// Squares of the columns before the projection.
+    whole: DVector<f64>,
+    /// Changes of the parameters of the candidate by the variances, at the least sum of squares.
+    pub response: DMatrix<f64>,
+}
+
+impl Score {
+    /// Evaluates the score of a candidate at `at`: its parameters, with those of the lens if the
+    /// loss has them. Returns `None` if the candidate has all blurs, or if the photographs do not
+    /// determine its parameters.
+    pub(super) fn new(
+        scene: &Scene,
+        loss: &Loss,
+        choice: Choice,
+        at: &DVector<f64>,
+    ) -> Option<Score> {
+        let (own, all) = (choice.further, possible(scene, choice.kernel));
+        let further = Further {
+            own_blur: all.own_blur && !own.own_blur,
+            angular_spread: all.angular_spread && !own.angular_spread,
+            is_ring: false,
+        };
+        let choice = Choice {
+            further: Further {
+                own_blur: own.own_blur || further.own_blur,
+                angular_spread: own.angular_spread || further.angular_spread,
+                is_ring: own.is_ring,
+            },
+            ..choice
+        };
+        let layout = Layout::new(choice, scene.groups.len());
+        let added = [
+            layout.own_blur().filter(|_| further.own_blur),
+            layout.angular_spread().filter(|_| further.angular_spread),
+        ];
+        let added: Vec<usize> = added.into_iter().flatten().collect();
+        if added.is_empty() {
+            return None;
+        }
+        let mut at = at.clone();
+        for &column in &added {
+            at = at.insert_row(column, 0.0);
+        }
+        let (residuals, jacobian) = loss.evaluate(&layout, &at);
+        let columns = jacobian.select_columns(&added);
+        let kept: Vec<usize> = (0..jacobian.ncols())
+            .filter(|column| !added.contains(column))
+            .collect();
+        let mut known = jacobian.select_columns(&kept);
+        let norms: Vec<f64> = known.column_iter().map(|column| column.norm()).collect();
+        for (mut column, norm) in known.column_iter_mut().zip(&norms) {
+            if *norm > 0.0 {
+                column /= *norm;
+            }
+        }
+        // Parameters that the photographs do not notice, or do not tell from others, have no part
+        // in the projection.
+        let inverse = known.tr_mul(&known).pseudo_inverse(UNNOTICED).ok()?;
+        let cross = known.tr_mul(&columns);
+        let information = columns.tr_mul(&columns) - cross.tr_mul(&(&inverse * &cross));
+        let pull =
+            columns.tr_mul(&residuals) - cross.tr_mul(&(&inverse * known.tr_mul(&residuals)));
+        let mut response = -(&inverse * &cross);
+        for (mut row, norm) in response.row_iter_mut().zip(&norms) {
+            row /= norm.max(f64::MIN_POSITIVE);
+        }
+        let finite = |v: &f64| v.is_finite();
+        let is_finite = information.iter().all(finite) && pull.iter().all(finite);
+        is_finite.then(|| Score {
+            further,
+            whole: DVector::from_iterator(
+                added.len(),
+                columns.column_iter().map(|column| column.norm_squared()),
+            ),
+            information,
+            pull,
+            response,
+        })
+    }
+
+    /// Returns the columns of some of the blurs, or `None` if one of them has none.
+    pub(super) fn columns(&self, wanted: Further) -> Option<Vec<usize>> {
+        let missing = (wanted.own_blur && !self.further.own_blur)
+            || (wanted.angular_spread && !self.further.angular_spread);
+        let second = usize::from(self.further.own_blur);
+        let own = wanted.own_blur.then_some(0);
+        let columns = own
+            .into_iter()
+            .chain(wanted.angular_spread.then_some(second));
+        (!missing).then(|| columns.collect())
+    }
+
+    /// Returns the fall of the sum of squares by a step along some of the blurs, and the variance at
+    /// its end with its standard error for each of them. Returns `None` if the photographs do not
+    /// tell the blurs apart, or from the other parameters.
+    pub(super) fn step(&self, wanted: Further) -> Option<(f64, Vec<[f64; 2]>)> {
+        let columns = self.columns(wanted)?;
+        let n = columns.len();
+        let of = |i: usize, j: usize| self.information[(columns[i], columns[j])];
+        let information = DMatrix::from_fn(n, n, of);
+        let pull = DVector::from_fn(n, |i, _| self.pull[columns[i]]);
+        // The share of a column that neither the parameters nor the other blur explains.
+        let inverse = information.try_inverse()?;
+        let told = |i: usize| {
+            let left = inverse[(i, i)].recip();
+            left > INDEPENDENT * self.whole[columns[i]]
+        };
+        if !(0..n).all(told) {
+            return None;
+        }
+        let step = &inverse * &pull;
+        let variances = (0..n).map(|i| [-step[i], inverse[(i, i)].sqrt()]);
+        Some((pull.dot(&step), variances.collect()))
+    }
+}
