@@ -21,15 +21,13 @@
 //! estimated.
 //!
 //! The noise is normal with the variance read + gain x light ([`PixelNoise`]). If the camera cuts
-//! it off at 0 or at full scale, the mean and the variance after the cut are used. Both noise
-//! numbers are the most likely ones for the scatter of the pixels about a smooth model. The weights
-//! follow from that model and stay fixed while the likelihood is maximised, because weights that
-//! follow the data or the parameters bias the estimate.
+//! it off at 0 or at full scale, the mean and the variance after the cut are used.
 //!
 //! Position and angle of the edge, both plateaus and the light are nuisances of each photograph.
 //! For each trial blur they are set to their optimum and projected out (variable projection). What
 //! remains is a function of blur and lens alone.
 
+mod noise;
 mod nuisances;
 mod rows;
 
@@ -40,17 +38,16 @@ use num_complex::Complex64;
 
 use crate::compare::light;
 use crate::compare::light::{LIGHT, Lights, Terms, Uneven};
+use crate::compare::likelihood::noise::Weight;
 use crate::compare::likelihood::nuisances::{FIRST_LIGHT, anywhere};
 use crate::compare::pixels::{Bin, Pixels};
-use crate::compare::place::Place;
-use crate::compare::view::{MODEL_ERROR, by_further};
+use crate::compare::view::by_further;
 use crate::model::Blur;
 use crate::model::Camera;
 use crate::model::Model;
 use crate::model::{Even, Grid};
 use edges::numerics::factor;
 use edges::numerics::factor::Products;
-use edges::photographs::BIN_PX;
 use edges::photographs::PixelNoise;
 use edges::photographs::edge::line::{Bend, ORDERS};
 
@@ -71,16 +68,6 @@ pub struct FittedPhotograph {
     pub nuisances: Nuisances,
     /// Number of columns of the nuisances. The last is that of ln(step).
     pub columns: usize,
-}
-
-/// Weights and noise of one bin.
-#[derive(Debug, Clone, Copy, Default)]
-struct Weight {
-    /// Square roots of the weights of the mean and of the slope; 0 for a number that the bin does
-    /// not have.
-    root: [f64; 2],
-    /// Standard deviation of a pixel before the cut at 0, linear light.
-    sigma: f64,
 }
 
 /// Pixels of a photograph with their noise and their weights.
@@ -186,46 +173,6 @@ impl<'a> Photograph<'a> {
         }
     }
 
-    /// Finds noise, weights and nuisances under a model that is near the truth, in even light.
-    /// Returns the fall of chi-square by uneven light, see [`light::are_uneven`].
-    pub fn settle(&mut self, curves: &Curves) -> f64 {
-        self.settle_evenly(curves);
-        let fall = self.unevenness(curves);
-        self.weigh(curves);
-        fall
-    }
-
-    /// Does the same where the light is known to be even.
-    pub fn settle_evenly(&mut self, curves: &Curves) {
-        self.start = self.first_guess(curves);
-        self.make_rounds(curves);
-        self.weigh(curves);
-    }
-
-    /// Finds them in uneven light, after [`Photograph::settle`].
-    pub fn settle_unevenly(&mut self, curves: &Curves) {
-        self.take(Terms::All);
-        self.make_rounds(curves);
-        self.weigh(curves);
-    }
-
-    /// Makes rounds of noise and nuisances.
-    ///
-    /// Noise and light depend on each other only a little, so two rounds are enough. If noise is
-    /// cut off, the plateau moves with the noise, and each round leaves about a tenth of the
-    /// remaining error. Then five rounds are made.
-    fn make_rounds(&mut self, curves: &Curves) {
-        let rounds = if self.pixels.cut.is_any() { 5 } else { 2 };
-        for _ in 0..rounds {
-            self.weigh(curves);
-            self.start = self.fit(curves).nuisances;
-            self.dark = self.start.dark;
-            if !self.terms.are_many() {
-                self.start.lit = self.lit_prior()[0];
-            }
-        }
-    }
-
     /// Estimates these terms of the light from now on.
     fn take(&mut self, terms: Terms) {
         self.terms = terms;
@@ -233,24 +180,6 @@ impl<'a> Photograph<'a> {
             Terms::First => &self.pixels.bins,
             Terms::None | Terms::Second | Terms::All => &self.pixels.strips,
         };
-    }
-
-    /// Returns the fall of chi-square by the terms of the light up to second order, with the blur
-    /// free. The weights have to be found anew.
-    fn unevenness(&mut self, curves: &Curves) -> f64 {
-        let (settled, before) = (self.start, self.terms);
-        self.start.light = [0.0; LIGHT];
-        let [few, all] = [Terms::None, Terms::Second].map(|terms| {
-            self.take(terms);
-            let light = self.light(curves);
-            self.set_weights(&light);
-            // The problem is almost linear, so one step tells what the optimum would.
-            self.normal(curves, self.start).unexplained()
-        });
-        let freedom = self.observations().saturating_sub(self.nuisances());
-        self.take(before);
-        self.start = settled;
-        (few - all) / (all / freedom.max(1) as f64).max(1.0)
     }
 
     /// Estimates these terms of the light, whether the pixels ask for them or not. The noise has to
@@ -304,13 +233,6 @@ impl<'a> Photograph<'a> {
         [mean, deviation.max(least)]
     }
 
-    /// Replaces the noise by a known one, as bounds at a planted truth need it.
-    pub fn with_noise(&mut self, curves: &Curves, noise: PixelNoise) {
-        self.noise = noise;
-        let light = self.light(curves);
-        self.set_weights(&light);
-    }
-
     /// Returns what a photograph with these places of its pixels would tell: the rows (ln step,
     /// parameters of the curves) of R, where R^T R is the information with the other nuisances
     /// projected out. The values of the pixels have no part in it: the edge lies on the line, and
@@ -329,53 +251,6 @@ impl<'a> Photograph<'a> {
         factor.view((own, own), (left, left)).into_owned()
     }
 
-    fn first_guess(&self, curves: &Curves) -> Nuisances {
-        // The line lies at the half level of the photograph. The half level of the model may lie
-        // beside the model's own zero.
-        let reach = self.pixels.reach() as i64;
-        let half = (-reach..reach)
-            .find(|&j| curves.value.around(j)[0] <= 0.5 && curves.value.around(j + 1)[0] > 0.5)
-            .map_or(0.0, |j| {
-                let (low, high) = (curves.value.around(j)[0], curves.value.around(j + 1)[0]);
-                j as f64 + (0.5 - low) / (high - low)
-            });
-        let mut guess = Nuisances {
-            place_px: -half * BIN_PX,
-            dark: 0.0,
-            step: 1.0,
-            ..self.start
-        };
-        let (mut n, mut e, mut y, mut ee, mut ey) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for bin in &self.pixels.bins {
-            let unit = Place::new(bin, [guess.place_px, 0.0]).of(&curves.value)[0];
-            n += bin.count;
-            e += bin.count * unit;
-            y += bin.count * bin.mean;
-            ee += bin.count * unit * unit;
-            ey += bin.count * unit * bin.mean;
-        }
-        guess.step = ((n * ey - e * y) / (n * ee - e * e)).abs();
-        guess.dark = (y - guess.step * e) / n;
-        guess
-    }
-
-    /// Returns the expected light of each bin and its slope per pixel across the edge, for the
-    /// nuisances of the start.
-    fn light(&self, curves: &Curves) -> Vec<[f64; 2]> {
-        let start = &self.start;
-        let bins = self.bins.iter();
-        bins.map(|bin| {
-            let place = start.place(bin, self.tangents(bin));
-            let Lights { all, .. } = self.lights(bin, &start.light);
-            let unit @ [_, _, across, _] = place.of(&curves.value);
-            [
-                start.dark + start.lit * (all.value - 1.0) + start.step * all.mean(unit),
-                start.step * all.value * across,
-            ]
-        })
-        .collect()
-    }
-
     /// Returns the light of a bin.
     ///
     /// Uneven light is 1 at the middle of the window, a place that photographs of one camera have
@@ -387,58 +262,6 @@ impl<'a> Photograph<'a> {
             self.pixels.line.offset_px
         };
         light::of(bin, from, light, self.terms.light())
-    }
-
-    fn weigh(&mut self, curves: &Curves) {
-        let light = self.light(curves);
-        // Degrees of freedom, light, and variance of the pixels about the model's slope across the
-        // edge and their own slope along it, for each bin.
-        let bins = self.bins.iter().zip(&light);
-        let scatter: Vec<[f64; 3]> = bins
-            .filter_map(|(bin, &[light, across])| {
-                let [yy, yu, uu] = bin.scatter;
-                let squares = yy - 2.0 * across * yu + across * across * uu;
-                let (along, slopes) = if bin.spread > 0.0 {
-                    let slope = bin.slope - across * bin.cross[0] / bin.spread;
-                    (slope * slope * bin.spread, 1.0)
-                } else {
-                    (0.0, 0.0)
-                };
-                let freedom = bin.count - 1.0 - slopes;
-                (freedom > 0.0).then(|| [freedom, light, (squares - along).max(0.0) / freedom])
-            })
-            .collect();
-        // The floor lies far below the noise of any sensor. It avoids a division by zero for
-        // noise-free pictures.
-        let floor = 1e-12 * self.start.step.powi(2) + f64::MIN_POSITIVE;
-        self.noise = PixelNoise::most_likely(&scatter, self.pixels.cut, floor);
-        self.set_weights(&light);
-    }
-
-    fn set_weights(&mut self, light: &[[f64; 2]]) {
-        let model_error = (MODEL_ERROR * self.start.step).powi(2);
-        let bins = self.bins.iter().zip(light);
-        self.weights = bins
-            .map(|(bin, &[light, _])| {
-                let variance = self.noise.variance(light);
-                let sigma = variance.sqrt();
-                let left = self.pixels.cut.clipped(light, sigma).2 * self.pixels.excess;
-                // The model's own error is one number for a bin, however many pixels the bin has.
-                let root = |amount: f64| {
-                    if amount > 0.0 {
-                        (left / amount + model_error * bin.count / amount)
-                            .sqrt()
-                            .recip()
-                    } else {
-                        0.0
-                    }
-                };
-                Weight {
-                    root: [root(bin.count), root(bin.spread)],
-                    sigma,
-                }
-            })
-            .collect();
     }
 
     /// Moves the nuisances to their optimum under a model, from the start.
