@@ -1,8 +1,9 @@
 //! A sheet whose numbers are given by hand, for who has no fit of it.
 
 use crate::estimate::{Bounds, Forward, Kind};
+use crate::result::capture::CameraResult;
 use crate::result::parameter::{Number, Parameter};
-use crate::result::report::{CameraResult, Covariance, ResultFile};
+use crate::result::report::{Covariance, ResultFile};
 use crate::result::table::TableResult;
 use edges::names::{Family, Kernel, LobeShape, Spectrum, Stray};
 

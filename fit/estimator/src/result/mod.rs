@@ -7,6 +7,7 @@
 
 pub mod agreement;
 mod by_hand;
+mod capture;
 mod diffraction;
 mod domain;
 mod nominal;
@@ -17,13 +18,14 @@ mod table;
 pub mod truth;
 
 pub use by_hand::{ByHand, Spread};
+pub use capture::{CameraResult, CaptureResult};
 pub use diffraction::WidthResult;
 pub use domain::Domain;
 pub use nominal::Nominal;
 pub use parameter::{AtAngle, Number, Parameter, Part};
 pub use quality::FitResult;
+pub use report::Candidate;
 pub use report::ResultFile;
 pub use report::sharing;
-pub use report::{CameraResult, Candidate, CaptureResult};
 pub use table::TableResult;
 pub use truth::Truth;
