@@ -10,6 +10,7 @@ pub(crate) mod cell;
 pub mod error;
 pub(crate) mod jpeg;
 mod lobe_edge;
+mod masses;
 mod noise;
 pub(crate) mod params;
 pub(crate) mod photograph;
