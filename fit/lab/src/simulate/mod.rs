@@ -6,6 +6,7 @@
 //! `numerics` from the crate `edges`, and nothing from the estimator. Sheets that a table describes
 //! come from the crate `tables`.
 
+mod camera;
 pub(crate) mod cell;
 pub mod error;
 pub(crate) mod jpeg;
@@ -19,9 +20,10 @@ mod sheet;
 mod wave_edge;
 pub mod write;
 
+pub use camera::PlantedCamera;
 pub(crate) use error::Error;
 pub(crate) use noise::PixelNoise;
+pub use params::Params;
 pub(crate) use params::lobe;
 pub(crate) use params::{ByIncidence, PlantedEdge, PlantedSheet, PlantedShot};
-pub use params::{Params, PlantedCamera};
 pub(crate) use write::run;

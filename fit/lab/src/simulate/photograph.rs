@@ -13,12 +13,13 @@
 //! the half mirror for a capture. The photograph then gets shot noise and read noise in electrons,
 //! is sharpened if the camera does so, is rounded to the converter's steps, and is clipped to [0, 1]. It may then go through JPEG.
 
+use crate::simulate::camera::PlantedCamera;
 use crate::simulate::cell;
 use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
 use crate::simulate::jpeg;
 use crate::simulate::noise::PixelNoise;
-use crate::simulate::params::{ByIncidence, Params, PlantedCamera, PlantedEdge};
+use crate::simulate::params::{ByIncidence, Params, PlantedEdge};
 use crate::simulate::params::{PlantedSheet, no_entry};
 use crate::simulate::profile::{EdgeBlur, EdgeProfile, LensBlur, STEPS_PER_PIXEL, Spread};
 use edges::document::FileLine;
