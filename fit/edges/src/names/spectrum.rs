@@ -102,6 +102,12 @@ impl Spectrum {
         &self.lines
     }
 
+    /// Returns the mean wavelength, nm, by the weights.
+    pub fn mean_nm(&self) -> f64 {
+        let sum = |of: fn(&SpectralLine) -> f64| self.lines.iter().map(of).sum::<f64>();
+        sum(|line| line.weight * line.wavelength_nm) / sum(|line| line.weight)
+    }
+
     /// Returns whether a line is within 1 nm of a wavelength.
     pub fn holds(&self, wavelength_nm: f64) -> bool {
         let lines = self.lines.iter();

@@ -33,6 +33,9 @@ pub(crate) struct Mixed<'a> {
     pub sheet: Fitted<'a>,
     /// Transforms of the shift.
     pub grid: &'a Grid,
+    /// Number of times that its waves are longer than those of the grid, see
+    /// [`stretches`](crate::explore::scaling::stretches).
+    pub stretch: f64,
 }
 
 /// Image of a point at one place, by [`Mixed`].
@@ -124,7 +127,7 @@ impl Mixed<'_> {
             Some(azimuth_deg) if grid.azimuth.count > 1 => grid.azimuth.mixture(azimuth_deg),
             _ => vec![Share::ALL],
         };
-        let scaling = grid.scaling.of(place.r_mm, c_mm);
+        let scaling = self.stretch * grid.scaling.of(place.r_mm, c_mm);
         let states = match grid.scaling {
             Scaling::Fixed => vec![Share::ALL],
             _ => grid
@@ -475,6 +478,7 @@ pub(crate) fn misfit_of(
     let mixed = Mixed {
         sheet: *sheet,
         grid,
+        stretch: 1.0,
     };
     misfit(&mixed, places, crate::images::SILENT)
 }

@@ -10,7 +10,7 @@ use crate::explore::gaps::Gaps;
 use crate::explore::grid::{Grid, UNIT};
 use crate::explore::lattice::{Ending, Lattice, MARGIN};
 use crate::explore::mixed::{FAINT, Misfit};
-use crate::explore::scaling::Scaling;
+use crate::explore::scaling::{Scaling, stretches};
 use crate::explore::search;
 use crate::explore::span::{Span, known};
 use crate::explore::stencil::Nodes;
@@ -133,6 +133,7 @@ struct Data<'a> {
     azimuth: Option<Nodes>,
     state: Nodes,
     scaling: Scaling,
+    colours: Option<[f64; 3]>,
     bend: f64,
     ends: Ending,
     kink: f64,
@@ -221,6 +222,7 @@ fn data<'a>(explorer: &'a Explorer<'_>, grid: &'a Grid, misfit: Misfit, places: 
         azimuth: known(grid.azimuth.first).map(|_| grid.azimuth),
         state: grid.state,
         scaling: grid.scaling,
+        colours: stretches(result),
         bend: grid.bend,
         ends: grid.ends,
         kink: grid.kink,

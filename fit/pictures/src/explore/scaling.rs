@@ -83,6 +83,21 @@ pub(crate) fn shortest_nm(result: &ResultFile) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
+/// Returns by how many times the waves of red, green and blue are longer than those of the
+/// luminance, on the mean; `None` if the colours do not have waves of their own.
+///
+/// The transform of waves of one length depends on the [`Scaling`] times this length. So that of a
+/// colour is about that of the luminance at a scaling as many times as large. It differs by how
+/// widely its wavelengths are spread.
+pub(crate) fn stretches(result: &ResultFile) -> Option<[f64; 3]> {
+    let colours = result
+        .colours
+        .as_ref()
+        .filter(|_| result.kernel.has_waves())?;
+    let luminance_nm = result.wavelength_nm.as_ref()?.mean_nm();
+    Some(colours.each_ref().map(|own| own.mean_nm() / luminance_nm))
+}
+
 /// Returns the nodes of the coordinate of the scaling.
 pub(crate) fn states(
     sheet: &Fitted<'_>,
@@ -97,7 +112,13 @@ pub(crate) fn states(
     let [near, far] = span.distance_mm;
     let [small, large] = span.factor.map(|factor| factor * c_mm);
     let bend = bend(sheet, scaling);
-    let ends = [scaling.of(near, large), scaling.of(far, small)];
+    let stretches = stretches(sheet.result).unwrap_or([1.0; 3]);
+    let shortest = stretches.into_iter().fold(1.0, f64::min);
+    let longest = stretches.into_iter().fold(1.0, f64::max);
+    let ends = [
+        shortest * scaling.of(near, large),
+        longest * scaling.of(far, small),
+    ];
     let ends = ends.map(|own| scaling.coordinate(own, bend));
     let steps = ((ends[1] - ends[0]) / step - 1e-9).ceil().max(3.0);
     Ok(Nodes::between(ends, steps as usize, Ends::Open))

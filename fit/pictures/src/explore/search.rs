@@ -4,11 +4,11 @@ use crate::error::Error;
 use crate::explore::grid::{Grid, MOST_CORNERS, own_axes};
 use crate::explore::lattice::{HIGHEST, sharpness};
 use crate::explore::mixed::{Misfit, Mixed, misfit};
-use crate::explore::scaling::Scaling;
+use crate::explore::scaling::{Scaling, stretches};
 use crate::explore::span::{Fineness, Span, known};
 use crate::explore::stencil::Nodes;
 use crate::images::{RenderProgress, Viewpoint};
-use edges::names::Kernel;
+use edges::names::{Kernel, Spectrum};
 use estimator::predict::Fitted;
 use estimator::result::{AtAngle, Number, Parameter, ResultFile};
 use tables::Path;
@@ -71,10 +71,20 @@ pub(crate) fn grid(
         return Err(Error::ManyCorners { corners });
     }
     let sharpest = scaled(sheet.result, span.factor[1]);
-    let sharpest = Fitted {
-        result: &sharpest,
-        table: sheet.table,
+    let colours = coloured(sheet.result);
+    let shown = |(result, stretch)| Shown {
+        sheet: Fitted {
+            result,
+            table: sheet.table,
+        },
+        stretch,
     };
+    let colours = colours.iter().map(|(result, stretch)| (result, *stretch));
+    let all: Vec<Shown> = [(sheet.result, 1.0), (&sharpest, 1.0)]
+        .into_iter()
+        .chain(colours)
+        .map(shown)
+        .collect();
     // A lobe that is nearly none leaves the rim of the shift sharp, as kernel `shift` does. Then
     // the search for a grid of transforms would try all of them in vain.
     let first = sheet
@@ -88,31 +98,71 @@ pub(crate) fn grid(
         && sheet.result.kernel.has_lobe()
         && sharpness(sheet, span, first)? > SHARP * HIGHEST;
     let mut paths = match is_sharp {
-        true => of_paths([sheet, &sharpest], span, progress)?,
+        true => of_paths(&all, span, progress)?,
         false => None,
     };
     if let Some(found) = paths.take_if(|found| found.misfit.larger() <= WANTED) {
         return Ok(found);
     }
-    let found = finest([sheet, &sharpest], span, progress)?;
+    let found = finest(&all, span, progress)?;
     if found.misfit.larger() <= WANTED || found.grid.gaps.is_some() || !shifts_rays(sheet) {
         return Ok(found);
     }
     let paths = match paths {
-        None if !is_sharp => of_paths([sheet, &sharpest], span, progress)?,
+        None if !is_sharp => of_paths(&all, span, progress)?,
         paths => paths,
     };
     let better = paths.filter(|paths| paths.misfit.larger() < found.misfit.larger());
     Ok(better.unwrap_or(found))
 }
 
-/// Computes the grid of the table's paths, for a sheet and for the sharpest one that the page
-/// spans; `None` if there is none.
+/// Sheet that a page shows: its own, the sharpest one that it spans, or one of its colours.
+struct Shown<'a> {
+    sheet: Fitted<'a>,
+    /// Number of times that its waves are longer than those of the page's own sheet.
+    stretch: f64,
+}
+
+/// Returns the largest error of mixing the sheets of a page at some places.
+fn largest(
+    all: &[Shown<'_>],
+    grid: &Grid,
+    places: &[Viewpoint],
+    progress: RenderProgress<'_>,
+) -> Result<Misfit, Error> {
+    all.iter().try_fold(Misfit::default(), |worst, own| {
+        let mixed = Mixed {
+            sheet: own.sheet,
+            grid,
+            stretch: own.stretch,
+        };
+        Ok(worst.or(misfit(&mixed, places, progress)?))
+    })
+}
+
+/// Returns results of red, green and blue, with the lengths of their waves over those of the
+/// luminance; none if the colours do not have waves of their own.
+fn coloured(result: &ResultFile) -> Vec<(ResultFile, f64)> {
+    let own = stretches(result).zip(result.colours.as_ref());
+    let colours = own.into_iter().flat_map(|(by, own)| own.iter().zip(by));
+    let with = |(colour, stretch): (&Spectrum, f64)| {
+        let result = ResultFile {
+            wavelength_nm: Some(colour.clone()),
+            ..result.clone()
+        };
+        (result, stretch)
+    };
+    colours.map(with).collect()
+}
+
+/// Computes the grid of the table's paths for the sheets of a page, of which the first is its own;
+/// `None` if there is none.
 fn of_paths(
-    [sheet, sharpest]: [&Fitted<'_>; 2],
+    all: &[Shown<'_>],
     span: &Span,
     progress: RenderProgress<'_>,
 ) -> Result<Option<Found>, Error> {
+    let sheet = &all[0].sheet;
     let paths = Fineness {
         paths: true,
         ..Fineness::first(sheet)
@@ -122,28 +172,18 @@ fn of_paths(
         return Ok(None);
     }
     let places = spread(sheet, &grid, span);
-    let error = |sheet: &Fitted<'_>| {
-        let mixed = Mixed {
-            sheet: *sheet,
-            grid: &grid,
-        };
-        misfit(&mixed, &places, progress)
-    };
-    let misfit = error(sheet)?.or(error(sharpest)?);
+    let misfit = largest(all, &grid, &places, progress)?;
     Ok(Some(Found {
         grid,
         misfit,
-        places: 2 * places.len(),
+        places: all.len() * places.len(),
     }))
 }
 
 /// Computes the coarsest grid of transforms whose error is small enough, or else the finest that
-/// fits into a page, for a sheet and for the sharpest one that the page spans.
-fn finest(
-    [sheet, sharpest]: [&Fitted<'_>; 2],
-    span: &Span,
-    progress: RenderProgress<'_>,
-) -> Result<Found, Error> {
+/// fits into a page, for the sheets of a page, of which the first is its own.
+fn finest(all: &[Shown<'_>], span: &Span, progress: RenderProgress<'_>) -> Result<Found, Error> {
+    let sheet = &all[0].sheet;
     let mut fineness = Fineness::first(sheet);
     if sheet.result.kernel == Kernel::Shift {
         fineness.own = own_axes(sheet.table);
@@ -171,23 +211,24 @@ fn finest(
             }
             Err(error) => return Err(error),
         };
-        let error = |sheet: &Fitted<'_>, places: &[Viewpoint]| {
-            let mixed = Mixed {
-                sheet: *sheet,
-                grid: &grid,
-            };
-            misfit(&mixed, places, progress)
-        };
         let spread = spread(sheet, &grid, span);
-        let found = error(sheet, &spread)?.or(error(sharpest, &spread)?);
+        let found = largest(all, &grid, &spread, progress)?;
         // Paths have no grid that could be finer.
         let last = tried >= MOST_GRIDS || grid.gaps.is_some();
         let enough = goal(sheet, found) <= WANTED || last;
         let worst = match enough {
             true => None,
             false => {
-                let one = |sheet, axis| error(sheet, &along(sheet, &grid, span, axis));
-                let along = |axis| Ok(one(sheet, axis)?.or(one(sharpest, axis)?).larger());
+                let along = |axis| {
+                    // Each at distances of its own: states depend on the size of the cells.
+                    let one = |own: &Shown<'_>| {
+                        let places = along(&own.sheet, &grid, span, axis);
+                        largest(std::slice::from_ref(own), &grid, &places, progress)
+                    };
+                    let each = all.iter().map(one);
+                    let worst = each.collect::<Result<Vec<_>, Error>>()?.into_iter();
+                    Ok(worst.fold(Misfit::default(), Misfit::or).larger())
+                };
                 let errors = AXES
                     .map(along)
                     .into_iter()
@@ -198,7 +239,7 @@ fn finest(
         let now = Found {
             grid,
             misfit: found,
-            places: 2 * spread.len(),
+            places: all.len() * spread.len(),
         };
         let better = best.filter(|best| goal(sheet, best.misfit) <= goal(sheet, found));
         let kept = better.unwrap_or(now);

@@ -212,6 +212,23 @@ fn shift_result(here: &Path, table: &str) -> String {
     format!("--params {result}")
 }
 
+/// Writes a setup whose camera sees a white lamp in three colours. Returns the options of a sheet in
+/// its light.
+fn coloured_light(here: &Path) -> String {
+    let row = |nm: i32| {
+        let seen = [600.0, 535.0, 460.0].map(|peak| {
+            let off = (f64::from(nm) - peak) / 32.0;
+            format!("{:.6}", (-0.5 * off * off).exp())
+        });
+        format!("{nm},{}\n", seen.join(","))
+    };
+    let camera: String = (380..=780).step_by(5).map(row).collect();
+    fs::write(here.join("camera.csv"), camera).unwrap();
+    let setup = "[setup]\nspectrum = \"LED-B3\"\ncamera_response = \"camera.csv\"\n";
+    fs::write(here.join("lamp.toml"), setup).unwrap();
+    "--c 0.25 --mu 0.5 --setup lamp.toml".to_owned()
+}
+
 #[test]
 #[ignore = "a minute: `make test-pages` runs it"]
 fn a_browser_shows_what_fit_render_computes() {
@@ -221,7 +238,14 @@ fn a_browser_shows_what_fit_render_computes() {
 #[test]
 #[ignore = "takes minutes: every kind of sheet; `make test-pages` runs it"]
 fn a_browser_shows_every_kind_of_sheet() {
-    compare_pages(&["shift", "shift of rays", "sharp eq1", "angular", "wave"]);
+    compare_pages(&[
+        "shift",
+        "shift of rays",
+        "sharp eq1",
+        "angular",
+        "wave",
+        "coloured wave",
+    ]);
 }
 
 /// The pixels of the page at settings off its nodes, against `fit render` at the same ones: they
@@ -279,6 +303,8 @@ fn compare_pages(names: &[&str]) {
         sheet("errors", "errors.h5", scattered, 0.0),
         // Rust cuts the light beyond 0.2 % of each axis, the page that beyond 202 pixels.
         sheet("wave", &one, waves, 0.012),
+        // Each colour sees other wavelengths of the lamp.
+        sheet("coloured wave", &one, &coloured_light(here), 0.012),
     ];
     // The letter is limited by the blur, by the blur in much ambient light, and by the eye.
     let settings = json!([

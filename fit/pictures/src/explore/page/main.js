@@ -99,18 +99,23 @@ function use(next) {
 
 // Planes of the mid-air image, before exposure. `colour` is false while a slider moves.
 function render(place, pitch, colour) {
-  const blur = weights(place, pitch, colour ? FINE : QUICK);
   const planes = colour ? picture.planes : [picture.luminance];
-  if (!convolver || convolver.reach < blur.reach || convolver.reach > 2 * blur.reach + 32) {
-    convolver = new Convolver(picture.width, picture.height, blur.reach);
+  const each = colour && data.colours
+    ? data.colours.map((stretch) => new Place(place.settings, stretch))
+    : [place];
+  const blurs = each.map((own) => weights(own, pitch, colour ? FINE : QUICK));
+  const reach = Math.max(...blurs.map((blur) => blur.reach));
+  if (!convolver || convolver.reach < reach || convolver.reach > 2 * reach + 32) {
+    convolver = new Convolver(picture.width, picture.height, reach);
     spectra = new Map();
   }
   const own = planes.map((plane) => {
     if (!spectra.has(plane)) spectra.set(plane, convolver.spectrum(plane));
     return spectra.get(plane);
   });
-  const energy = place.energy();
-  return convolver.blur(own, blur, energy ?? 1);
+  const energy = place.energy() ?? 1;
+  if (blurs.length === 1) return convolver.blur(own, blurs[0], energy);
+  return own.flatMap((plane, k) => convolver.blur([plane], blurs[k], energy));
 }
 
 // The narrowest picture whose blur the page can render, mm.

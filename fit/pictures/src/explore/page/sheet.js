@@ -156,9 +156,9 @@ function mixtureAt(incidence, azimuth, scaling) {
 }
 
 // The blur of the sheet at some settings: distance (mm), incidence and azimuth (degrees), spread,
-// c (mm) and mu.
+// c (mm) and mu. The waves of a colour are `stretch` times as long as those of the luminance.
 class Place {
-  constructor(settings) {
+  constructor(settings, stretch = 1) {
     this.settings = settings;
     const { distance, incidence, azimuth, c } = settings;
     this.polygons = data.gaps ? polygonsOf(settings) : null;
@@ -166,7 +166,8 @@ class Place {
       this.shaped();
       return;
     }
-    const scaling = { fixed: 1, deviating: distance / c, waves: distance / (c * c) }[data.scaling];
+    const waves = (stretch * distance) / (c * c);
+    const scaling = { fixed: 1, deviating: distance / c, waves }[data.scaling];
     const { light, reach, states } = mixtureAt(incidence, azimuth, scaling);
     this.states = states;
     this.light = light;
