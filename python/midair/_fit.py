@@ -467,7 +467,7 @@ class Result:
         seed: int | None = None,
         sequence: str | None = None,
         threads: int | None = None,
-        table: Table | None = None,
+        table: Table | Sequence[Table] | None = None,
     ) -> npt.NDArray[np.float32]:
         """Render the mid-air image of a picture, as ``fit render`` does.
 
@@ -493,6 +493,9 @@ class Result:
             added, as a comparison with a photograph needs it.
         view : path, optional
             File with the places of camera, image and sheet, in place of distance and direction.
+        table : Table or three of them, optional
+            Another table of the fitted cell, or those of red, green and blue light, where the index
+            of the prisms differs.
 
         Returns
         -------
@@ -528,6 +531,8 @@ class Result:
                 "air, mm, or pixel_pitch"
             )
         named = dict(source="picture", params="result", table="table", output="image.exr")
+        given = table or self._table
+        tables = [given] if isinstance(given, Table) else list(given)
         with refusals():
             seen = None
             if isinstance(camera, Result):
@@ -538,7 +543,7 @@ class Result:
                 words(**named, **options),
                 self._result,
                 seen,
-                (table or self._table)._table,
+                [one._table for one in tables],
                 planes(picture, "picture"),
             )
         warn(json.loads(facts)["warnings"])

@@ -151,14 +151,16 @@ pub(crate) fn render<'py>(
     words: Words,
     result: PyRef<'py, Result>,
     camera: Option<PyRef<'py, Result>>,
-    table: PyRef<'py, Table>,
+    tables: Vec<PyRef<'py, Table>>,
     picture: Given<'py>,
 ) -> PyResult<Rendered<'py>> {
     let source = held(picture)?;
-    let (result, table) = (&result.result, Arc::clone(&table.table));
+    let result = &result.result;
+    let tables: Vec<_> = tables.iter().map(|own| Arc::clone(&own.table)).collect();
     let camera = camera.as_ref().map(|own| &own.result);
     let (image, facts) = run(py, None, |_| {
-        calls::render(&words, result, camera, &table, source)
+        let tables: Vec<_> = tables.iter().map(|own| &**own).collect();
+        calls::render(&words, result, camera, &tables, source)
     })?;
     Ok((
         planes(py, [image.height, image.width], image.planes)?,

@@ -103,6 +103,9 @@ pub enum Error {
     /// Camera for a render by samples.
     #[error("--camera: works only with --forward spectral; leave one of the two out")]
     SampledCamera,
+    /// Tables of three colours for a render by samples.
+    #[error("three tables work only with --forward spectral; give one, or leave the option out")]
+    SampledColours,
     /// Pixel, by column and row, whose blur cannot be computed.
     #[error("at pixel ({:.0}, {:.0}) of the view: {}", .0[0], .0[1], .1)]
     Pixel([f64; 2], Box<Error>),

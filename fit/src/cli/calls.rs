@@ -189,27 +189,27 @@ pub fn predict(words: &[OsString], result: &ResultFile, table: &Table) -> Result
 /// Renders the mid-air image of a picture, as `fit render` does, and returns it with its facts as
 /// JSON.
 ///
-/// `camera` takes the place of the file of `--camera`.
+/// `camera` takes the place of the file of `--camera`, and `tables` that of `--table`.
 ///
 /// # Errors
-/// Returns [`Refused`] if the words cannot be used, the picture has a value that is not finite, the
+/// Returns [`Refused`] if the words cannot be used, the picture has a value that is not finite, a
 /// table is not one of the fitted cell, or it lacks a direction.
 pub fn render(
     words: &[OsString],
     result: &ResultFile,
     camera: Option<&ResultFile>,
-    table: &Table,
+    tables: &[&Table],
     source: InMemory,
 ) -> Result<(Picture, String), Refused> {
     let arguments: render::Arguments = parsed(words)?;
     let source = source
         .into_picture(arguments.transfer)
         .map_err(Failure::from)?;
-    let table = result.seen(table).map_err(Failure::from)?;
-    let sheet = Fitted::new(result, &table).map_err(Failure::from)?;
+    let tables = render::SeenTables::new(result, tables.iter().copied())?;
+    let sheet = Fitted::new(result, tables.own()).map_err(Failure::from)?;
     let pool = terminal::pool(arguments.threads).map_err(Failure::from)?;
     let wanted = arguments.wanted(&sheet, source.width, camera)?;
-    let made = pool.install(|| wanted.image(&sheet, &source, SILENT));
+    let made = pool.install(|| wanted.image(&sheet, tables.colours(), &source, SILENT));
     let (image, mut facts) = made.map_err(Failure::from)?;
     facts.lit_by(arguments.light.luminance);
     Ok((image, output::json(&facts)))

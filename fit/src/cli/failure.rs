@@ -165,6 +165,7 @@ impl Failure {
             Failure::Pictures(
                 pictures::Error::Ending(_)
                 | pictures::Error::SampledCamera
+                | pictures::Error::SampledColours
                 | pictures::Error::Seat(_),
             ) => 2,
             _ => 1,

@@ -42,14 +42,37 @@ impl<'a> Fitted<'a> {
         if result.table.same_cell(&given) {
             return Ok(Fitted { result, table });
         }
-        let name = |table: &TableResult| {
-            let hash: String = table.content_hash.chars().take(HASH_SHOWN).collect();
-            format!("{} {hash}", table.design)
-        };
         Err(Error::OtherCell {
-            fitted: name(&result.table),
-            given: name(&given),
+            fitted: shown(&result.table),
+            given: shown(&given),
             differs: result.table.difference(&given),
+        })
+    }
+
+    /// Returns the sheet with the table that its cell has in the light of another colour: its
+    /// refractive index and its losses may differ.
+    ///
+    /// # Errors
+    /// Returns [`Error::OtherCell`] if the other table has another mesh, size or orientation.
+    pub fn in_colour<'b>(&'b self, table: &'b Table) -> Result<Fitted<'b>, Error> {
+        let [own, other] = [self.table, table].map(|table| &table.provenance);
+        let differs = [
+            ("mesh", own.mesh_hash == other.mesh_hash),
+            ("edge length", own.edge_length == other.edge_length),
+            ("azimuth zero", own.azimuth_zero == other.azimuth_zero),
+        ];
+        let differs = differs.iter().filter(|(_, same)| !same);
+        let differs: Vec<&str> = differs.map(|(name, _)| *name).collect();
+        if differs.is_empty() {
+            return Ok(Fitted {
+                result: self.result,
+                table,
+            });
+        }
+        Err(Error::OtherCell {
+            fitted: shown(&TableResult::of(self.table)),
+            given: shown(&TableResult::of(table)),
+            differs: differs.join(", "),
         })
     }
 
@@ -152,6 +175,12 @@ impl<'a> Fitted<'a> {
         let mu = self.result.mu.as_ref().and_then(|mu| mu.at(incidence_deg));
         mu.map(|mu| mu * self.returned(incidence_deg, eta) * self.result.half_mirror)
     }
+}
+
+/// Returns design and hash of a table, as messages show them.
+fn shown(table: &TableResult) -> String {
+    let hash: String = table.content_hash.chars().take(HASH_SHOWN).collect();
+    format!("{} {hash}", table.design)
 }
 
 /// Checks the numbers of a result that predictions are made of.

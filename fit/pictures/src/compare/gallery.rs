@@ -90,7 +90,7 @@ pub fn gallery(
                 exposure: Exposure::Factor(1.0),
                 beside: false,
             };
-            let (image, facts) = wanted.image(&own.sheet, &source, SILENT)?;
+            let (image, facts) = wanted.image(&own.sheet, None, &source, SILENT)?;
             pieces.one();
             Ok((image, facts.energy.is_none()))
         })

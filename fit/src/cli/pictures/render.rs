@@ -1,5 +1,6 @@
 //! `fit render`: makes the mid-air image of any picture.
 
+use std::borrow::Cow;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -54,6 +55,12 @@ are 0.2 m wide, and 1 m and 3 m away:
       --table pair.h5 --distance 3000 --incidence 20 --azimuth 30 \\
       --width 200 --auto-exposure --beside -o far.png
 
+Prisms of polycarbonate bend blue light more than red. Each colour has a table
+of its own, baked with its index; these are for 650, 550 and 450 nm:
+  fit render --source content.png --c 0.15 --a-times-r 700 --mu 0.5 \\
+      --table red.h5 green.h5 blue.h5 --distance 500 --incidence 40 \\
+      --azimuth 30 --width 200 --auto-exposure -o dispersed.png
+
 With --view, a camera sees the sheet. Each pixel then has its own incidence,
 azimuth and distance, and with them its own blur and brightness. The table must
 hold directions all around (bake trace --azimuth 0:345:15). VIEW.toml gives all
@@ -100,9 +107,15 @@ pub(crate) struct Arguments {
     pub by_hand: Numbers,
     /// Ray-shift table of the fitted cell, from `bake trace`.
     ///
-    /// A --sheet brings its own.
-    #[arg(long, value_name = "TABLE.h5", required_unless_present = "sheet")]
-    pub table: Option<PathBuf>,
+    /// A --sheet brings its own. Three tables are those of red, green and blue light, where the
+    /// index of the prisms differs; green's is that of the fit.
+    #[arg(
+        long,
+        value_name = "TABLE.h5",
+        num_args = 1..=3,
+        required_unless_present = "sheet"
+    )]
+    pub table: Vec<PathBuf>,
     /// Floating distance R, mm.
     ///
     /// R is the length of the principal ray from the sheet to the image.
@@ -285,21 +298,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let ending = || pictures::Error::Ending(arguments.output.clone());
     let writing = Writing::of(&arguments.output).ok_or_else(ending)?;
     let output = outputs.reserve(&arguments.output)?;
-    let table = (arguments.by_hand).table("fit render", arguments.table.as_deref())?;
+    let tables = arguments.tables()?;
     let pool = terminal::pool(arguments.threads)?;
 
     let started = Instant::now();
     let source = pool.install(|| photo::load_colour(&arguments.source, arguments.transfer))?;
-    let result = arguments.result(&table, source.width)?;
-    let table = result.seen(&table)?;
-    let sheet = Fitted::new(&result, &table)?;
+    let result = arguments.result(&tables[tables.len() / 2], source.width)?;
+    let tables = SeenTables::new(&result, tables.iter())?;
+    let sheet = Fitted::new(&result, tables.own())?;
     let camera = arguments.camera()?;
     let read = started.elapsed().as_secs_f64();
 
     let progress = Bar::of_steps();
     let show = |part: RenderStep| progress.part(part.what, part.done, part.of);
     let wanted = arguments.wanted(&sheet, source.width, camera.as_ref())?;
-    let made = pool.install(|| wanted.image(&sheet, &source, &show));
+    let made = pool.install(|| wanted.image(&sheet, tables.colours(), &source, &show));
     progress.done();
     let (image, mut facts) = made?;
     facts.lit_by(arguments.light.luminance);
@@ -321,7 +334,53 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(terminal::print(&output::json(&facts))?)
 }
 
+/// Tables of a sheet as the light of the setup sees them.
+pub(in crate::cli) struct SeenTables<'a>(Vec<Cow<'a, Table>>);
+
+impl<'a> SeenTables<'a> {
+    /// Takes one table, or those of red, green and blue light.
+    ///
+    /// # Errors
+    /// Returns [`Failure::Usage`] of another count, and the errors of [`ResultFile::seen`].
+    pub(in crate::cli) fn new(
+        result: &ResultFile,
+        tables: impl ExactSizeIterator<Item = &'a Table>,
+    ) -> Result<SeenTables<'a>, Failure> {
+        if ![1, 3].contains(&tables.len()) {
+            let message = "give one table, or three: those of red, green and blue light";
+            return Err(Failure::conflict("fit render", message));
+        }
+        let all = tables.map(|table| result.seen(table));
+        Ok(SeenTables(all.collect::<Result<_, _>>()?))
+    }
+
+    /// Returns the table of the fit: the only one, or that of green light.
+    pub(in crate::cli) fn own(&self) -> &Table {
+        &self.0[self.0.len() / 2]
+    }
+
+    /// Returns the tables of red, green and blue light, if there are three.
+    pub(in crate::cli) fn colours(&self) -> Option<[&Table; 3]> {
+        let [red, green, blue] = &self.0[..] else {
+            return None;
+        };
+        Some([red, green, blue])
+    }
+}
+
 impl Arguments {
+    /// Reads the tables that are named, or that of the nominal sheet.
+    ///
+    /// # Errors
+    /// Returns the errors of reading.
+    fn tables(&self) -> Result<Vec<Table>, Failure> {
+        if self.table.is_empty() {
+            return Ok(vec![self.by_hand.table("fit render", None)?]);
+        }
+        let all = self.table.iter().map(|file| Ok(tables::read(file)?));
+        all.collect()
+    }
+
     /// Returns the result of the file that is named, or the numbers that are given, for a picture
     /// of so many columns.
     ///

@@ -307,6 +307,63 @@ fn a_setup_says_what_its_light_passes() {
     println!("6 predictions");
 }
 
+/// Three tables are those of red, green and blue light: each colour of a white sign is that of a
+/// grey one with its own table, and the facts are those of green.
+#[test]
+fn a_dispersive_sheet_has_a_table_for_each_colour() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    bake(here, "design triangular-pair -o pair.obj").done();
+    for (name, index) in [("red", "1.58"), ("green", "1.588"), ("blue", "1.604")] {
+        let line = format!("trace pair.obj -o {name}.h5 --refractive-index {index}");
+        bake(here, &format!("{line} --incidence 40 --azimuth 20")).done();
+    }
+    let sign = image::GrayImage::from_fn(48, 32, |x, _| image::Luma([255 * u8::from(x % 16 < 8)]));
+    sign.save(here.join("grey.png")).unwrap();
+    let white = image::DynamicImage::ImageLuma8(sign).to_rgb8();
+    white.save(here.join("white.png")).unwrap();
+    let render = |source: &str, tables: &str, more: &str| {
+        let sheet = format!("--c 0.2 --a 4 --mu 0.5 --table {tables} --pixel-pitch 0.1 {more}");
+        let place = "--distance 200 --incidence 40 --json -o image.exr";
+        fit(here, &format!("render --source {source} {sheet} {place}"))
+    };
+    let image = |source: &str, tables: &str| {
+        let run = render(source, tables, "");
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        let told: Value = serde_json::from_str(&run.out).unwrap();
+        let image = fit::load_colour(&here.join("image.exr"), None).unwrap();
+        (image.planes, told["energy"].clone())
+    };
+    let (planes, energy) = image("white.png", "red.h5 green.h5 blue.h5");
+    let alone = ["red.h5", "green.h5", "blue.h5"].map(|table| image("grey.png", table));
+    for (plane, (own, _)) in planes.iter().zip(&alone) {
+        assert_eq!(plane, &own[0]);
+    }
+    assert_eq!(energy, alone[1].1);
+    assert!(planes[0] != planes[1] && planes[1] != planes[2]);
+    let refusals = [
+        ("red.h5 blue.h5", "", "give one table, or three"),
+        (
+            "red.h5 green.h5 blue.h5",
+            "--forward render",
+            "three tables work only with",
+        ),
+    ];
+    for (tables, more, said) in refusals {
+        let run = render("white.png", tables, more);
+        assert_eq!(run.code, Some(2), "{}", run.err);
+        assert!(run.err.contains(said), "{}", run.err);
+    }
+    // A cell of another mesh is no colour of this one.
+    bake(here, "design triangular -o one.obj").done();
+    let line = "trace one.obj -o one.h5 --refractive-index 1.5 --incidence 40 --azimuth 20";
+    bake(here, line).done();
+    let run = render("white.png", "red.h5 green.h5 one.h5", "");
+    assert_eq!(run.code, Some(1), "{}", run.err);
+    assert!(run.err.contains("with another mesh"), "{}", run.err);
+    println!("3 colours, {} refusals", refusals.len() + 1);
+}
+
 /// Every fault of a setup is refused with its file and what would be right.
 #[test]
 fn a_setup_that_cannot_be_is_refused() {

@@ -14,6 +14,7 @@ use estimator::estimate::Forward;
 use estimator::predict::Fitted;
 use estimator::result::ResultFile;
 use estimator::samples::Sampling;
+use tables::Table;
 
 /// How an image is made.
 pub(super) struct Method<'a> {
@@ -23,6 +24,8 @@ pub(super) struct Method<'a> {
     pub sampling: Sampling,
     /// Camera whose blur an image from afar has.
     pub camera: Option<&'a Camera>,
+    /// Tables of the sheet in red, green and blue light; `None` if one stands for all.
+    pub colours: Option<[&'a Table; 3]>,
     /// Callback for the progress.
     pub progress: RenderProgress<'a>,
 }
@@ -68,45 +71,43 @@ impl Rendered {
     }
 }
 
-/// Renders red, green and blue by what each sees of the lamp, where the result tells this and the
-/// picture has colours; else all planes alike.
+/// Renders red, green and blue by what each sees of the lamp, where the result tells this, and by
+/// the table of each, where these are given; all planes alike without either, or if the picture has
+/// no colours. The facts are those of green, whose light is the largest part of the luminance.
 fn in_colours(
     source: &Picture,
     sheet: &Fitted<'_>,
+    tables: Option<[&Table; 3]>,
     render: &dyn Fn(&Picture, &Fitted<'_>) -> Result<Rendered, Error>,
 ) -> Result<Rendered, Error> {
-    let of_waves = sheet.result.colours.as_ref();
-    let Some(colours) = of_waves.filter(|_| source.planes.len() == 3) else {
+    let lights = sheet.result.colours.as_ref();
+    if source.planes.len() != 3 || (lights.is_none() && tables.is_none()) {
         return render(source, sheet);
-    };
-    let mut made: Option<Rendered> = None;
-    for (plane, colour) in source.planes.iter().zip(colours) {
-        let one = Picture {
-            planes: vec![plane.clone()],
+    }
+    let one = |k: usize| {
+        let plane = Picture {
+            planes: vec![source.planes[k].clone()],
             warnings: Vec::new(),
             ..*source
         };
+        let light = lights.map(|lights| lights[k].clone());
         let result = ResultFile {
-            wavelength_nm: Some(colour.clone()),
+            wavelength_nm: light.or(sheet.result.wavelength_nm.clone()),
             ..sheet.result.clone()
         };
-        let own = render(
-            &one,
-            &Fitted {
-                result: &result,
-                ..*sheet
-            },
-        )?;
-        made = Some(match made {
-            None => own,
-            Some(mut all) => {
-                all.image.planes.extend(own.image.planes);
-                all.transfer_error = all.transfer_error.max(own.transfer_error);
-                all
-            }
-        });
-    }
-    made.map_or_else(|| render(source, sheet), Ok)
+        let own = tables.map_or(Ok(*sheet), |tables| sheet.in_colour(tables[k]))?;
+        let own = Fitted {
+            result: &result,
+            ..own
+        };
+        render(&plane, &own)
+    };
+    let [mut red, mut green, mut blue] = [one(0)?, one(1)?, one(2)?];
+    let each = [&mut red, &mut green, &mut blue];
+    let planes = each.map(|own| std::mem::take(&mut own.image.planes));
+    green.image.planes = planes.into_iter().flatten().collect();
+    green.transfer_error = (green.transfer_error.max(red.transfer_error)).max(blue.transfer_error);
+    Ok(green)
 }
 
 /// Renders the image with one incidence and distance for all pixels.
@@ -118,12 +119,13 @@ pub(super) fn from_afar(
     method: &Method<'_>,
 ) -> Result<Rendered, Error> {
     Ok(match method.forward {
-        Forward::Spectral => in_colours(source, sheet, &|source, sheet| {
+        Forward::Spectral => in_colours(source, sheet, method.colours, &|source, sheet| {
             let psf = render::uniform_psf(sheet, &place, scale, method.camera, method.progress)?;
             let image = render::uniform(source, &psf, method.progress);
             Ok(Rendered::by_transforms(image, vec![place], &[psf]))
         })?,
         Forward::Render if method.camera.is_some() => return Err(Error::SampledCamera),
+        Forward::Render if method.colours.is_some() => return Err(Error::SampledColours),
         Forward::Render => {
             let (sampling, progress) = (method.sampling, method.progress);
             let found = sampled::uniform(source, sheet, &place, scale, sampling, progress)?;
@@ -179,7 +181,7 @@ pub(super) fn from_camera(
 ) -> Result<Rendered, Error> {
     let (half_mirror, progress) = (sheet.result.half_mirror, method.progress);
     Ok(match method.forward {
-        Forward::Spectral => in_colours(source, sheet, &|source, sheet| {
+        Forward::Spectral => in_colours(source, sheet, method.colours, &|source, sheet| {
             let (image, tiles) =
                 render::viewed(source, sheet, view, half_mirror, tolerance, progress)?;
             let [width, height] = [source.width, source.height].map(|n| n as f64);
@@ -196,6 +198,7 @@ pub(super) fn from_camera(
                 ..Rendered::by_transforms(image, places, tiles.corners())
             })
         })?,
+        Forward::Render if method.colours.is_some() => return Err(Error::SampledColours),
         Forward::Render => {
             let sampling = method.sampling;
             let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling, progress)?;

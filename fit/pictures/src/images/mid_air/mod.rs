@@ -11,6 +11,7 @@ use edges::photographs::photo::picture::Picture;
 use estimator::estimate::Forward;
 use estimator::predict::{Fitted, remarks as of_places};
 use estimator::samples::Sampling;
+use tables::Table;
 
 use crate::error::Error;
 use crate::images::exposure::automatic;
@@ -77,12 +78,15 @@ pub struct MidAir {
 impl MidAir {
     /// Makes the mid-air image of a picture.
     ///
+    /// `colours` are tables of the sheet in red, green and blue light, where it is dispersive.
+    ///
     /// # Errors
-    /// Fails if the view cannot be used, the table lacks a direction, the blur is too wide, or the
+    /// Fails if the view cannot be used, a table lacks a direction, the blur is too wide, or the
     /// result cannot be used with the table.
     pub fn image(
         &self,
         sheet: &Fitted<'_>,
+        colours: Option<[&Table; 3]>,
         source: &Picture,
         progress: RenderProgress<'_>,
     ) -> Result<(Picture, Facts), Error> {
@@ -90,6 +94,7 @@ impl MidAir {
             forward: self.forward,
             sampling: self.sampling,
             camera: self.camera.as_ref(),
+            colours,
             progress,
         };
         let (mut rendered, reduced, pitch_mm) = match &self.look {
