@@ -531,7 +531,7 @@ class Result:
                 "air, mm, or pixel_pitch"
             )
         named = dict(source="picture", params="result", table="table", output="image.exr")
-        given = table or self._table
+        given = self._table if table is None else table
         tables = [given] if isinstance(given, Table) else list(given)
         with refusals():
             seen = None

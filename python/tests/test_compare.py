@@ -309,6 +309,25 @@ class Camera(Case):
         self.assertTrue(np.array_equal(own, read))
         self.tell(len(cases), "refusals")
 
+    def test_each_colour_of_a_dispersive_sheet_has_a_table(self) -> None:
+        pair = midair.design("triangular-pair")
+        tables = [
+            midair.trace(pair, refractive_index=index, incidence=20, azimuth=30)
+            for index in (1.58, 1.588, 1.604)
+        ]
+        white = np.zeros((60, 60, 3))
+        white[20:40, 20:40] = 1
+        grey = white[..., 0]
+        sheet = midair.sheet(tables[1], c=0.2, a=4)
+        image = sheet.render(white, pixel_pitch=0.1, table=tables, **self.place)
+        for k, table in enumerate(tables):
+            own = midair.sheet(table, c=0.2, a=4).render(grey, pixel_pitch=0.1, **self.place)
+            self.assertTrue(np.array_equal(image[..., k], own))
+        for wrong in (tables[:2], []):
+            with self.assertRaises(midair.Error):
+                sheet.render(white, pixel_pitch=0.1, table=wrong, **self.place)
+        self.tell(len(tables), "colours")
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -284,6 +284,11 @@ impl<'a> Photograph<'a> {
         const KEPT: f64 = 0.75;
         // Share by which chi-square may rise: more than rounding, far less than by any overshoot.
         const RISE: f64 = 1e-9;
+        // Fall, in units of the misfit, below which a step is left out: nuisances are then within a
+        // hundredth of their standard errors. The curves' parameters move by far less, because the
+        // linear part of the nuisances is projected out.
+        const LEAST: f64 = 1e-4;
+        let least = LEAST / self.observations().max(1) as f64;
         let own = self.step_column() + 1;
         let columns = own + curves.by.len();
         let chi2 = |fitted: &FittedPhotograph| fitted.factor.column(columns).norm_squared();
@@ -293,7 +298,7 @@ impl<'a> Photograph<'a> {
             let squares = chi2(&fitted);
             // Decrease of chi-square that a step without damping promises.
             let fall = fitted.factor.view((0, columns), (own, 1)).norm_squared();
-            if fall < 1e-8 + 1e-13 * squares || !fall.is_finite() {
+            if fall < 1e-8 + least * squares || !fall.is_finite() {
                 break;
             }
             let step = factor::damped_step(&fitted.factor, own, columns, damping);
