@@ -25,7 +25,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use crate::compare::Remainder;
-use crate::estimate::scene::Scene;
+use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::search::fitted::Estimate;
 use crate::estimate::search::layout::Layout;
 use crate::estimate::search::loss::Loss;
@@ -133,7 +133,8 @@ pub struct Goodness {
     pub verdict: Verdict,
     /// Photograph with the largest misfit.
     pub worst: Option<Worst>,
-    /// Number of photographs whose noise the camera reduced.
+    /// Number of photographs whose noise the camera reduced beside the edge, or smoothed more widely
+    /// than the edge of the reference.
     pub reduced: usize,
     /// Numbers of the photographs, the one with the largest misfit first.
     pub(crate) worst_first: Vec<usize>,
@@ -225,10 +226,8 @@ pub fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
                 reduced_chi2: remainders[worst].reduced(),
             }
         }),
-        reduced: scene
-            .shots
-            .iter()
-            .filter(|shot| shot.reduced_noise.is_some())
+        reduced: (scene.shots.iter())
+            .filter(|shot| shot.reduced_noise.is_some() || is_smoothed(scene, shot))
             .count(),
         worst_first,
     };
@@ -253,8 +252,9 @@ pub fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
     }
     // A camera that reduces noise moves the blur at no misfit. The weights of the pixels follow the
     // noise beside the edge, and so do the standard errors.
-    let reduced = scene.shots.iter().filter_map(|shot| shot.reduced_noise);
-    if let Some(most) = reduced.reduce(f64::max) {
+    if goodness.reduced > 0 {
+        let reduced = scene.shots.iter().filter_map(|shot| shot.reduced_noise);
+        let most = reduced.fold(1.0, f64::max);
         goodness.scale = goodness.scale.max(POOR).max(most.sqrt());
         goodness.verdict = Verdict::Poor;
     }
@@ -265,6 +265,35 @@ pub fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
         goodness.verdict = goodness.verdict.max(Verdict::Strained);
     }
     goodness
+}
+
+/// Number of times that the noise has to be smoothed more widely than the edge of the reference, to
+/// be sure that the camera smooths edges less than noise. Widths of noise are known to some percent.
+const WIDER: f64 = 1.5;
+
+/// Returns whether the noise of a photograph is smoothed more widely than the edge of the reference.
+///
+/// A filter F that treats all pixels alike makes noise count 1 / (integral of |F|^2 over both
+/// frequencies) times, which is the product of its widths 1 / (integral of |F|^2) along both axes.
+/// It widens edges too: behind a lens, whose OTF is at most 1, the width of the whole is no smaller.
+/// So a reference that is sharper than its filter would allow shows one that spares high edges. It
+/// may still blur low ones, as those of mid-air images.
+fn is_smoothed(scene: &Scene, shot: &Aerial) -> bool {
+    const STEP_PER_PX: f64 = 0.01;
+    const LAST_PER_PX: f64 = 3.0;
+    let own_px = shot.pixels.excess.sqrt();
+    if scene.reference.is_none() || own_px <= WIDER {
+        return false;
+    }
+    let camera = &scene.optics.camera;
+    let along = camera.along(shot.pixels.line.normal_rad);
+    let count = (LAST_PER_PX / STEP_PER_PX) as usize;
+    let squares = (0..count).map(|k| {
+        let per_px = (k as f64 + 0.5) * STEP_PER_PX;
+        along.otf(per_px / camera.pitch_mm).powi(2)
+    });
+    let edge_px = (2.0 * STEP_PER_PX * squares.sum::<f64>()).recip();
+    own_px > WIDER * edge_px
 }
 
 /// Returns the factor on the standard errors by a significant misfit of the lens. By the MTFs the
