@@ -3,8 +3,9 @@
 //! Noise reduction and JPEG leave the noise on an edge, where the light changes, and take it away
 //! beside the edge. The noise of a sensor follows the light: on the edge it lies between that of the
 //! two plateaus. So the noise on the edge is compared with the straight line between them. Noise is
-//! measured by the differences of neighbours along the edge. Light, waves and a wrong bow of the
-//! edge are nearly equal in both and cancel. Filters that treat all pixels alike (demosaicing, a
+//! measured by the differences of every second pixel along the edge. Light, waves and a wrong bow of
+//! the edge are nearly equal in both and cancel, and so does what demosaicing leaves between pixels
+//! that were seen and those that were filled in. Filters that treat all pixels alike (demosaicing, a
 //! blur) change all noise by the same factor.
 //!
 //! Sharpening makes light overshoot beside the edge. A lens cannot: its line spread function is
@@ -64,9 +65,9 @@ pub(crate) fn excess_on_edge(
     let mut on = [[0.0; 3]; STRIPS];
     // Number and squares beside it, on the dark and on the bright side.
     let mut beside = [[0.0; 2]; 2];
-    let (right, below) = if is_steep { (0, 1) } else { (1, 0) };
-    for row in 0..window.height() - below {
-        for column in 0..window.width() - right {
+    let (right, below) = if is_steep { (0, 2) } else { (2, 0) };
+    for row in 0..window.height().saturating_sub(below) {
+        for column in 0..window.width().saturating_sub(right) {
             let Some((s, t, level, own)) = off(column, row) else {
                 continue;
             };
