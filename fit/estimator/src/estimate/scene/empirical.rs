@@ -66,11 +66,14 @@ pub(crate) fn departing(
     let criterion =
         |fit: &Solution, terms: usize| fit.sum_of_squares() / misfit + terms as f64 * each;
     let of = |fit: &Solution| criterion(fit, fit.parameters.len());
-    let (camera, solution) = fits.iter().min_by(|a, b| of(&a.1).total_cmp(&of(&b.1)))?;
+    let least = (0..fits.len()).min_by(|&a, &b| of(&fits[a].1).total_cmp(&of(&fits[b].1)))?;
     // Blur and exponent of the parametric lens stay as they are under the departure.
-    if of(solution) + CLEAR > criterion(&parametric, 0) {
+    if of(&fits[least].1) + CLEAR > criterion(&parametric, 0) {
         return None;
     }
+    // The criterion leaves out what moves the lens by less than a few of its errors, which may move
+    // a by as many. With terms beyond those, the stated errors contain it.
+    let (camera, solution) = &fits[(least + 1).min(fits.len() - 1)];
     let inverse = solution.jacobian.tr_mul(&solution.jacobian).try_inverse()?;
     Some((camera.clone(), inverse * reduced(solution).max(1.0)))
 }
