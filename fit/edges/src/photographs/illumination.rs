@@ -34,7 +34,7 @@ use crate::numerics::factor;
 use crate::numerics::factor::Products;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::edge::shape;
-use crate::photographs::profile::{BIN_PX, Noise, Profile, smoothed};
+use crate::photographs::profile::{BIN_PX, Noise, Profile, bin_at, smoothed};
 use crate::photographs::window::{Pixel, Window};
 
 /// Number of terms of the light, and of those up to second order.
@@ -248,7 +248,7 @@ fn bins(window: &Window, line: &EdgeLine, profile: &Profile, light: &Light) -> V
             continue;
         };
         let strip = (((t + half) * per_px).max(0.0) as usize).min(STRIPS - 1);
-        let bin = (s / BIN_PX).round() + profile.reach as f64;
+        let bin = bin_at(s) + profile.reach as f64;
         let cell = &mut cells[bin as usize][strip];
         cell.n += 1.0;
         cell.place[0] += pixel.x;

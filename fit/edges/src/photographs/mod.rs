@@ -25,8 +25,8 @@ pub use measure::Measurement;
 #[cfg(test)]
 pub(crate) use photo::load_colour;
 pub use pixels::noise::PixelNoise;
-pub use profile::BIN_PX;
 pub use profile::Profile;
+pub use profile::{BIN_PX, bin_at};
 pub use sfr::Mtf;
 #[cfg(test)]
 pub(crate) use sfr::standard_error;

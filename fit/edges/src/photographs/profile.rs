@@ -13,6 +13,17 @@ use crate::photographs::window::Window;
 /// Width of a bin, pixels along the edge normal (fourfold oversampling, as in ISO 12233).
 pub const BIN_PX: f64 = 0.25;
 
+/// Returns the bin that holds a distance from the edge (pixels), counted from that on the edge. On
+/// the border of two bins it is the even one.
+///
+/// The sum leaves no digits behind the point below 2^49 pixels. `f64::round` takes ten times as long:
+/// compiled for every x86-64, it is a call of a function.
+#[inline]
+pub fn bin_at(distance_px: f64) -> f64 {
+    const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+    (distance_px / BIN_PX + WHOLE) - WHOLE
+}
+
 /// Least number of pixels per pixel of length at the ends of the profile, as a share of the
 /// largest.
 const COVERAGE: f64 = 0.3;
@@ -79,7 +90,7 @@ impl Profile {
         let ruler = line.ruler();
         for p in window.pixels() {
             let (s, _) = ruler.place(p.x, p.y);
-            let j = (s / BIN_PX).round();
+            let j = bin_at(s);
             let d = s - j * BIN_PX;
             // A line that was sought in vain can lie outside of the window, and its curve far off.
             let place = j + limit as f64;
@@ -282,7 +293,7 @@ impl Profile {
         let last = (self.len() - 1) as f64;
         (0.0..last).contains(&at).then(|| {
             let j = at as usize;
-            self.mean[j] + (self.mean[j + 1] - self.mean[j]) * at.fract()
+            self.mean[j] + (self.mean[j + 1] - self.mean[j]) * (at - j as f64)
         })
     }
 

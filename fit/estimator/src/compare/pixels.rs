@@ -15,8 +15,8 @@
 //! pixel and 0.1 % for a mid-air image.
 
 use edges::numerics::clip::Cut;
-use edges::photographs::BIN_PX;
 use edges::photographs::edge::line::EdgeLine;
+use edges::photographs::{BIN_PX, bin_at};
 use edges::photographs::{Raster, Window};
 
 /// Pixels of one bin, with u the distance from the bin's centre along the normal and t the position
@@ -84,7 +84,7 @@ impl Pixels {
         let per_px = 0.5 * STRIPS as f64 / half;
         for p in window.pixels() {
             let (d, t) = ruler.place(p.x, p.y);
-            let j = (d / BIN_PX).round();
+            let j = bin_at(d);
             let strip = (((t + half) * per_px).max(0.0) as usize).min(STRIPS - 1);
             let sum = &mut sums[(j as i64 + limit) as usize][strip];
             sum.add(d - j * BIN_PX, t, p.value);

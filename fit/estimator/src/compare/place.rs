@@ -2,7 +2,7 @@
 
 use crate::compare::pixels::Bin;
 use crate::model::Even;
-use edges::photographs::BIN_PX;
+use edges::photographs::{BIN_PX, bin_at};
 
 /// Place of a bin's pixels in a profile that was moved and turned.
 pub(crate) struct Place {
@@ -20,7 +20,7 @@ impl Place {
     /// Locates the pixels of `bin` for an edge that lies at `place` (pixels off the line) and is
     /// turned by `turn` (rad).
     pub(crate) fn new(bin: &Bin, [place, turn]: [f64; 2]) -> Place {
-        let whole = (place / BIN_PX).round();
+        let whole = bin_at(place);
         // u - place + turn t. The spread that the turn itself makes is kept to second order.
         let by = turn * bin.along - (place - whole * BIN_PX);
         let [u, uu, uuu] = bin.across;

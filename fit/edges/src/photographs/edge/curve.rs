@@ -76,7 +76,8 @@ impl Steepness {
             if !(0.0..last).contains(&at) {
                 return None;
             }
-            let (j, part) = (at as usize, at.fract());
+            let j = at as usize;
+            let part = at - j as f64;
             let between = |curve: &[f64]| curve[j] + (curve[j + 1] - curve[j]) * part;
             let level = between(&self.smooth);
             Some(Told {

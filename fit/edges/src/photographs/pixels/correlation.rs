@@ -12,7 +12,7 @@ use crate::numerics::factor;
 use crate::numerics::factor::Products;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::edge::line::legendre;
-use crate::photographs::profile::{BIN_PX, Profile};
+use crate::photographs::profile::{BIN_PX, Profile, bin_at};
 use crate::photographs::window::Window;
 
 /// Number of standard deviations from which a correlation of direct neighbours is believed. White
@@ -143,7 +143,7 @@ impl Residuals {
             let Some(level) = profile.at(across_px).filter(|_| !value.is_nan()) else {
                 continue;
             };
-            let bin = (across_px / BIN_PX).round() + profile.reach as f64;
+            let bin = bin_at(across_px) + profile.reach as f64;
             if let Some(deviation) = deviations[bin as usize] {
                 residuals.values[at] = ((value - level) / deviation) as f32;
                 residuals.held[at] = 1.0;

@@ -1,7 +1,7 @@
 //! Detection of pixels that do not follow the edge: hot and dead pixels, dust, other marks.
 
 use crate::photographs::edge::line::EdgeLine;
-use crate::photographs::profile::{BIN_PX, Profile};
+use crate::photographs::profile::{BIN_PX, Profile, bin_at};
 use crate::photographs::window::Window;
 
 /// Distance from the profile of the edge from which a pixel is off, in standard deviations of a
@@ -50,7 +50,7 @@ pub(crate) fn exclude(
     let end = profile.reach as f64 * BIN_PX;
     // Just within the last bin, where the profile has a value.
     let held = |s: f64| s.clamp(-end, end - 1e-6);
-    let bin = |s: f64| ((held(s) / BIN_PX).round() + profile.reach as f64) as usize;
+    let bin = |s: f64| (bin_at(held(s)) + profile.reach as f64) as usize;
     let off = |curve: &Profile, s: f64, value: f64, share: f64| {
         curve
             .at(held(s))
