@@ -1,8 +1,8 @@
 //! The lens as it is: how it departs from the OTF exp(-(f blur)^p), where pixels of the source edge
 //! ask for it.
 //!
-//! Bayes' criterion chooses the number of terms, on the pixels of the references alone. A lens that
-//! exp(-(f blur)^p) describes gets none.
+//! Bayes' criterion chooses the number of terms, on the pixels of the references alone, and the next
+//! larger number is taken. A lens that exp(-(f blur)^p) describes gets none.
 
 use nalgebra::{DMatrix, DVector};
 
