@@ -55,11 +55,11 @@ are 0.2 m wide, and 1 m and 3 m away:
       --table pair.h5 --distance 3000 --incidence 20 --azimuth 30 \\
       --width 200 --auto-exposure --beside -o far.png
 
-Prisms of polycarbonate bend blue light more than red. Each colour has a table
-of its own, baked with its index; these are for 650, 550 and 450 nm:
+Prisms bend blue light more than red. These tables of 650, 550 and 450 nm are
+those of an example of bake trace:
   fit render --source content.png --c 0.15 --a-times-r 700 --mu 0.5 \\
-      --table red.h5 green.h5 blue.h5 --distance 500 --incidence 40 \\
-      --azimuth 30 --width 200 --auto-exposure -o dispersed.png
+      --table pair-650.h5 pair-550.h5 pair-450.h5 --distance 500 \\
+      --incidence 40 --width 200 --auto-exposure -o dispersed.png
 
 With --view, a camera sees the sheet. Each pixel then has its own incidence,
 azimuth and distance, and with them its own blur and brightness. The table must
