@@ -108,12 +108,13 @@ impl Spectrum {
         sum(|line| line.weight * line.wavelength_nm) / sum(|line| line.weight)
     }
 
-    /// Returns whether a line is within 1 nm of a wavelength.
+    /// Returns whether a wavelength is that of the line, or lies between those of several, within 1
+    /// nm.
     pub fn holds(&self, wavelength_nm: f64) -> bool {
-        let lines = self.lines.iter();
-        lines
-            .map(|line| line.wavelength_nm)
-            .any(|own| (own - wavelength_nm).abs() <= 1.0)
+        let lengths = || self.lines.iter().map(|line| line.wavelength_nm);
+        let least_nm = lengths().fold(f64::INFINITY, f64::min);
+        let most_nm = lengths().fold(0.0, f64::max);
+        (least_nm - 1.0..=most_nm + 1.0).contains(&wavelength_nm)
     }
 }
 
@@ -199,6 +200,10 @@ mod tests {
         ];
         for text in bad {
             assert!(Spectrum::parse(text).is_err(), "{text}");
+        }
+        let lamp = Spectrum::parse("450:0.2,550,620").unwrap();
+        for (nm, is_held) in [(448.9, false), (449.1, true), (500.0, true), (621.5, false)] {
+            assert_eq!(lamp.holds(nm), is_held, "{nm}");
         }
         // 1000 wavelengths, and one more.
         let lines = |count| vec!["550"; count].join(",");
