@@ -84,6 +84,8 @@ pub struct Page {
     pub html: String,
     /// Largest error of mixing.
     pub misfit: Misfit,
+    /// True if it is that of a colour, which the page shows by its mean wavelength.
+    pub is_of_colours: bool,
     /// Count of places at which it was measured.
     pub places: usize,
     /// Count of directions of the grid.
@@ -175,7 +177,8 @@ pub fn page(explorer: &Explorer<'_>, progress: RenderProgress<'_>) -> Result<Pag
         return Err(Error::Polarised);
     }
     let found = search::grid(&explorer.sheet, &explorer.span, progress)?;
-    let data = data(explorer, &found.grid, found.misfit, found.places);
+    let misfit = found.misfit.or(found.misfit_of_colours);
+    let data = data(explorer, &found.grid, misfit, found.places);
     // A script element ends at its end tag, wherever that stands; JSON may write < as an escape.
     let json = serde_json::to_string(&data)
         .expect("all keys are strings and all values are numbers or text")
@@ -197,7 +200,8 @@ pub fn page(explorer: &Explorer<'_>, progress: RenderProgress<'_>) -> Result<Pag
     });
     Ok(Page {
         html,
-        misfit: found.misfit,
+        misfit,
+        is_of_colours: misfit.larger() > found.misfit.larger(),
         places: found.places,
         directions: found.grid.energy.len(),
     })

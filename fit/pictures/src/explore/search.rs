@@ -44,8 +44,10 @@ const AXES: [Axis; 4] = [Axis::Incidence, Axis::Azimuth, Axis::State, Axis::None
 pub(crate) struct Found {
     /// The grid.
     pub grid: Grid,
-    /// Largest error over the places.
+    /// Largest error over the places, by the light of the luminance.
     pub misfit: Misfit,
+    /// Largest error of colours that have waves of their own.
+    pub misfit_of_colours: Misfit,
     /// Count of places between the nodes at which the error was measured.
     pub places: usize,
 }
@@ -61,6 +63,30 @@ pub(crate) fn grid(
     span: &Span,
     progress: RenderProgress<'_>,
 ) -> Result<Found, Error> {
+    let mut found = of_luminance(sheet, span, progress)?;
+    // Mean wavelengths err on any grid.
+    let places = spread(sheet, &found.grid, span);
+    for (result, stretch) in &coloured(sheet.result) {
+        let own = Shown {
+            sheet: Fitted {
+                result,
+                table: sheet.table,
+            },
+            stretch: *stretch,
+        };
+        let misfit = largest(&[own], &found.grid, &places, progress)?;
+        found.misfit_of_colours = found.misfit_of_colours.or(misfit);
+        found.places += places.len();
+    }
+    Ok(found)
+}
+
+/// Computes the grid of a sheet, by the light of the luminance.
+fn of_luminance(
+    sheet: &Fitted<'_>,
+    span: &Span,
+    progress: RenderProgress<'_>,
+) -> Result<Found, Error> {
     let of = |paths: &Vec<Path>| paths.iter().map(|path| path.polygon.len()).sum();
     let exact = sheet.table.exact.iter();
     let corners: usize = exact
@@ -71,20 +97,14 @@ pub(crate) fn grid(
         return Err(Error::ManyCorners { corners });
     }
     let sharpest = scaled(sheet.result, span.factor[1]);
-    let colours = coloured(sheet.result);
-    let shown = |(result, stretch)| Shown {
+    let shown = |result, stretch| Shown {
         sheet: Fitted {
             result,
             table: sheet.table,
         },
         stretch,
     };
-    let colours = colours.iter().map(|(result, stretch)| (result, *stretch));
-    let all: Vec<Shown> = [(sheet.result, 1.0), (&sharpest, 1.0)]
-        .into_iter()
-        .chain(colours)
-        .map(shown)
-        .collect();
+    let all = [shown(sheet.result, 1.0), shown(&sharpest, 1.0)];
     // A lobe that is nearly none leaves the rim of the shift sharp, as kernel `shift` does. Then
     // the search for a grid of transforms would try all of them in vain.
     let first = sheet
@@ -176,6 +196,7 @@ fn of_paths(
     Ok(Some(Found {
         grid,
         misfit,
+        misfit_of_colours: Misfit::default(),
         places: all.len() * places.len(),
     }))
 }
@@ -239,6 +260,7 @@ fn finest(all: &[Shown<'_>], span: &Span, progress: RenderProgress<'_>) -> Resul
         let now = Found {
             grid,
             misfit: found,
+            misfit_of_colours: Misfit::default(),
             places: all.len() * spread.len(),
         };
         let better = best.filter(|best| goal(sheet, best.misfit) <= goal(sheet, found));

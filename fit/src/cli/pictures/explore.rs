@@ -291,9 +291,14 @@ pub(in crate::cli) fn made(
     let pool = terminal::pool(arguments.threads)?;
     let page = pool.install(|| explore::page(&explorer, progress))?;
     if page.misfit.pixel > explore::WANTED {
+        let why = match page.is_of_colours {
+            true => "it takes each colour's mean wavelength; `fit render` takes all of them",
+            false => {
+                "no finer grid fits into a page; give a shorter range by --nearest and --farthest"
+            }
+        };
         warnings.push(format!(
-            "a pixel of the page can err by {:.1} % of the brightest, because no finer grid fits \
-            into a page; give a shorter range by --nearest and --farthest",
+            "a pixel of the page can err by {:.1} % of the brightest, because {why}",
             100.0 * page.misfit.pixel
         ));
     }
