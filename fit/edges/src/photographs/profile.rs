@@ -16,8 +16,8 @@ pub const BIN_PX: f64 = 0.25;
 /// Returns the bin that holds a distance from the edge (pixels), counted from that on the edge. On
 /// the border of two bins it is the even one.
 ///
-/// The sum leaves no digits behind the point below 2^49 pixels. `f64::round` takes ten times as long:
-/// compiled for every x86-64, it is a call of a function.
+/// The sum leaves no digits behind the point below 2^49 pixels. `f64::round` is a call of a function
+/// where a program is compiled for every x86-64.
 #[inline]
 pub fn bin_at(distance_px: f64) -> f64 {
     const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;

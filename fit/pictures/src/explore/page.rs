@@ -177,8 +177,10 @@ pub fn page(explorer: &Explorer<'_>, progress: RenderProgress<'_>) -> Result<Pag
         return Err(Error::Polarised);
     }
     let found = search::grid(&explorer.sheet, &explorer.span, progress)?;
-    let misfit = found.misfit.or(found.misfit_of_colours);
-    let data = data(explorer, &found.grid, misfit, found.places);
+    let (sheet, span) = (&explorer.sheet, &explorer.span);
+    let (of_colours, more) = search::misfit_of_colours(sheet, span, &found.grid, progress)?;
+    let (misfit, places) = (found.misfit.or(of_colours), found.places + more);
+    let data = data(explorer, &found.grid, misfit, places);
     // A script element ends at its end tag, wherever that stands; JSON may write < as an escape.
     let json = serde_json::to_string(&data)
         .expect("all keys are strings and all values are numbers or text")
@@ -202,7 +204,7 @@ pub fn page(explorer: &Explorer<'_>, progress: RenderProgress<'_>) -> Result<Pag
         html,
         misfit,
         is_of_colours: misfit.larger() > found.misfit.larger(),
-        places: found.places,
+        places,
         directions: found.grid.energy.len(),
     })
 }

@@ -8,7 +8,7 @@ use crate::explore::scaling::{Scaling, stretches};
 use crate::explore::span::{Fineness, Span, known};
 use crate::explore::stencil::Nodes;
 use crate::images::{RenderProgress, Viewpoint};
-use edges::names::{Kernel, Spectrum};
+use edges::names::Kernel;
 use estimator::predict::Fitted;
 use estimator::result::{AtAngle, Number, Parameter, ResultFile};
 use tables::Path;
@@ -44,10 +44,8 @@ const AXES: [Axis; 4] = [Axis::Incidence, Axis::Azimuth, Axis::State, Axis::None
 pub(crate) struct Found {
     /// The grid.
     pub grid: Grid,
-    /// Largest error over the places, by the light of the luminance.
+    /// Largest error over the places.
     pub misfit: Misfit,
-    /// Largest error of colours that have waves of their own.
-    pub misfit_of_colours: Misfit,
     /// Count of places between the nodes at which the error was measured.
     pub places: usize,
 }
@@ -63,30 +61,6 @@ pub(crate) fn grid(
     span: &Span,
     progress: RenderProgress<'_>,
 ) -> Result<Found, Error> {
-    let mut found = of_luminance(sheet, span, progress)?;
-    // Mean wavelengths err on any grid.
-    let places = spread(sheet, &found.grid, span);
-    for (result, stretch) in &coloured(sheet.result) {
-        let own = Shown {
-            sheet: Fitted {
-                result,
-                table: sheet.table,
-            },
-            stretch: *stretch,
-        };
-        let misfit = largest(&[own], &found.grid, &places, progress)?;
-        found.misfit_of_colours = found.misfit_of_colours.or(misfit);
-        found.places += places.len();
-    }
-    Ok(found)
-}
-
-/// Computes the grid of a sheet, by the light of the luminance.
-fn of_luminance(
-    sheet: &Fitted<'_>,
-    span: &Span,
-    progress: RenderProgress<'_>,
-) -> Result<Found, Error> {
     let of = |paths: &Vec<Path>| paths.iter().map(|path| path.polygon.len()).sum();
     let exact = sheet.table.exact.iter();
     let corners: usize = exact
@@ -97,14 +71,10 @@ fn of_luminance(
         return Err(Error::ManyCorners { corners });
     }
     let sharpest = scaled(sheet.result, span.factor[1]);
-    let shown = |result, stretch| Shown {
-        sheet: Fitted {
-            result,
-            table: sheet.table,
-        },
-        stretch,
+    let sharpest = Fitted {
+        result: &sharpest,
+        table: sheet.table,
     };
-    let all = [shown(sheet.result, 1.0), shown(&sharpest, 1.0)];
     // A lobe that is nearly none leaves the rim of the shift sharp, as kernel `shift` does. Then
     // the search for a grid of transforms would try all of them in vain.
     let first = sheet
@@ -118,71 +88,66 @@ fn of_luminance(
         && sheet.result.kernel.has_lobe()
         && sharpness(sheet, span, first)? > SHARP * HIGHEST;
     let mut paths = match is_sharp {
-        true => of_paths(&all, span, progress)?,
+        true => of_paths([sheet, &sharpest], span, progress)?,
         false => None,
     };
     if let Some(found) = paths.take_if(|found| found.misfit.larger() <= WANTED) {
         return Ok(found);
     }
-    let found = finest(&all, span, progress)?;
+    let found = finest([sheet, &sharpest], span, progress)?;
     if found.misfit.larger() <= WANTED || found.grid.gaps.is_some() || !shifts_rays(sheet) {
         return Ok(found);
     }
     let paths = match paths {
-        None if !is_sharp => of_paths(&all, span, progress)?,
+        None if !is_sharp => of_paths([sheet, &sharpest], span, progress)?,
         paths => paths,
     };
     let better = paths.filter(|paths| paths.misfit.larger() < found.misfit.larger());
     Ok(better.unwrap_or(found))
 }
 
-/// Sheet that a page shows: its own, the sharpest one that it spans, or one of its colours.
-struct Shown<'a> {
-    sheet: Fitted<'a>,
-    /// Number of times that its waves are longer than those of the page's own sheet.
-    stretch: f64,
-}
-
-/// Returns the largest error of mixing the sheets of a page at some places.
-fn largest(
-    all: &[Shown<'_>],
+/// Returns the largest error of the colours that a grid shows by their mean wavelengths, and the
+/// count of places at which it was measured: 0 if colours do not have waves of their own.
+///
+/// No grid is without this error, so the search does not count it.
+///
+/// # Errors
+/// Returns those of [`misfit`].
+pub(crate) fn misfit_of_colours(
+    sheet: &Fitted<'_>,
+    span: &Span,
     grid: &Grid,
-    places: &[Viewpoint],
     progress: RenderProgress<'_>,
-) -> Result<Misfit, Error> {
-    all.iter().try_fold(Misfit::default(), |worst, own| {
-        let mixed = Mixed {
-            sheet: own.sheet,
-            grid,
-            stretch: own.stretch,
-        };
-        Ok(worst.or(misfit(&mixed, places, progress)?))
-    })
-}
-
-/// Returns results of red, green and blue, with the lengths of their waves over those of the
-/// luminance; none if the colours do not have waves of their own.
-fn coloured(result: &ResultFile) -> Vec<(ResultFile, f64)> {
-    let own = stretches(result).zip(result.colours.as_ref());
-    let colours = own.into_iter().flat_map(|(by, own)| own.iter().zip(by));
-    let with = |(colour, stretch): (&Spectrum, f64)| {
+) -> Result<(Misfit, usize), Error> {
+    let places = spread(sheet, grid, span);
+    let (mut worst, mut count) = (Misfit::default(), 0);
+    let own = stretches(sheet.result).zip(sheet.result.colours.as_ref());
+    for (colour, stretch) in own.into_iter().flat_map(|(by, own)| own.iter().zip(by)) {
         let result = ResultFile {
             wavelength_nm: Some(colour.clone()),
-            ..result.clone()
+            ..sheet.result.clone()
         };
-        (result, stretch)
-    };
-    colours.map(with).collect()
+        let mixed = Mixed {
+            sheet: Fitted {
+                result: &result,
+                table: sheet.table,
+            },
+            grid,
+            stretch,
+        };
+        worst = worst.or(misfit(&mixed, &places, progress)?);
+        count += places.len();
+    }
+    Ok((worst, count))
 }
 
-/// Computes the grid of the table's paths for the sheets of a page, of which the first is its own;
-/// `None` if there is none.
+/// Computes the grid of the table's paths, for a sheet and for the sharpest one that the page
+/// spans; `None` if there is none.
 fn of_paths(
-    all: &[Shown<'_>],
+    [sheet, sharpest]: [&Fitted<'_>; 2],
     span: &Span,
     progress: RenderProgress<'_>,
 ) -> Result<Option<Found>, Error> {
-    let sheet = &all[0].sheet;
     let paths = Fineness {
         paths: true,
         ..Fineness::first(sheet)
@@ -192,19 +157,29 @@ fn of_paths(
         return Ok(None);
     }
     let places = spread(sheet, &grid, span);
-    let misfit = largest(all, &grid, &places, progress)?;
+    let error = |sheet: &Fitted<'_>| {
+        let mixed = Mixed {
+            sheet: *sheet,
+            grid: &grid,
+            stretch: 1.0,
+        };
+        misfit(&mixed, &places, progress)
+    };
+    let misfit = error(sheet)?.or(error(sharpest)?);
     Ok(Some(Found {
         grid,
         misfit,
-        misfit_of_colours: Misfit::default(),
-        places: all.len() * places.len(),
+        places: 2 * places.len(),
     }))
 }
 
 /// Computes the coarsest grid of transforms whose error is small enough, or else the finest that
-/// fits into a page, for the sheets of a page, of which the first is its own.
-fn finest(all: &[Shown<'_>], span: &Span, progress: RenderProgress<'_>) -> Result<Found, Error> {
-    let sheet = &all[0].sheet;
+/// fits into a page, for a sheet and for the sharpest one that the page spans.
+fn finest(
+    [sheet, sharpest]: [&Fitted<'_>; 2],
+    span: &Span,
+    progress: RenderProgress<'_>,
+) -> Result<Found, Error> {
     let mut fineness = Fineness::first(sheet);
     if sheet.result.kernel == Kernel::Shift {
         fineness.own = own_axes(sheet.table);
@@ -232,24 +207,24 @@ fn finest(all: &[Shown<'_>], span: &Span, progress: RenderProgress<'_>) -> Resul
             }
             Err(error) => return Err(error),
         };
+        let error = |sheet: &Fitted<'_>, places: &[Viewpoint]| {
+            let mixed = Mixed {
+                sheet: *sheet,
+                grid: &grid,
+                stretch: 1.0,
+            };
+            misfit(&mixed, places, progress)
+        };
         let spread = spread(sheet, &grid, span);
-        let found = largest(all, &grid, &spread, progress)?;
+        let found = error(sheet, &spread)?.or(error(sharpest, &spread)?);
         // Paths have no grid that could be finer.
         let last = tried >= MOST_GRIDS || grid.gaps.is_some();
         let enough = goal(sheet, found) <= WANTED || last;
         let worst = match enough {
             true => None,
             false => {
-                let along = |axis| {
-                    // Each at distances of its own: states depend on the size of the cells.
-                    let one = |own: &Shown<'_>| {
-                        let places = along(&own.sheet, &grid, span, axis);
-                        largest(std::slice::from_ref(own), &grid, &places, progress)
-                    };
-                    let each = all.iter().map(one);
-                    let worst = each.collect::<Result<Vec<_>, Error>>()?.into_iter();
-                    Ok(worst.fold(Misfit::default(), Misfit::or).larger())
-                };
+                let one = |sheet, axis| error(sheet, &along(sheet, &grid, span, axis));
+                let along = |axis| Ok(one(sheet, axis)?.or(one(sharpest, axis)?).larger());
                 let errors = AXES
                     .map(along)
                     .into_iter()
@@ -260,8 +235,7 @@ fn finest(all: &[Shown<'_>], span: &Span, progress: RenderProgress<'_>) -> Resul
         let now = Found {
             grid,
             misfit: found,
-            misfit_of_colours: Misfit::default(),
-            places: all.len() * spread.len(),
+            places: 2 * spread.len(),
         };
         let better = best.filter(|best| goal(sheet, best.misfit) <= goal(sheet, found));
         let kept = better.unwrap_or(now);
