@@ -1,37 +1,46 @@
 //! Normal matrices and their triangular factors: sums of squares without the rows that make them.
 
 use nalgebra::{DMatrix, DVector};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Number of rows that are multiplied at a time.
 const ROWS: usize = 4;
+
+/// Largest number of elements that a processor multiplies at once.
+const LANES: usize = 8;
 
 /// Sum of row^T row over many rows.
 ///
 /// Four rows are added to each element at a time, and to neighbouring elements of a column at once.
 pub struct Products {
     size: usize,
-    /// Upper triangle, column by column.
+    /// Length of a row or a column, in whole lanes. Their ends are zeros.
+    width: usize,
+    /// Upper triangle, column by column, and the rest of its lanes.
     sums: Vec<f64>,
     /// Rows that wait, one behind the other.
     waiting: Vec<f64>,
     rows: usize,
+    arch: Arch,
 }
 
 impl Products {
     /// Creates the sum over no rows of `size` values each.
     pub fn new(size: usize) -> Products {
+        let width = size.next_multiple_of(LANES);
         Products {
             size,
-            sums: vec![0.0; size * size],
-            waiting: vec![0.0; ROWS * size],
+            width,
+            sums: vec![0.0; width * size],
+            waiting: vec![0.0; ROWS * width],
             rows: 0,
+            arch: Arch::new(),
         }
     }
 
     /// Adds a row.
     pub fn add(&mut self, row: &[f64]) {
-        let first = self.rows * self.size;
-        self.waiting[first..first + self.size].copy_from_slice(row);
+        self.waiting[self.rows * self.width..][..self.size].copy_from_slice(row);
         self.rows += 1;
         if self.rows == ROWS {
             self.flush();
@@ -39,24 +48,53 @@ impl Products {
     }
 
     fn flush(&mut self) {
-        let (a, rest) = self.waiting.split_at(self.size);
-        let (b, rest) = rest.split_at(self.size);
-        let (c, d) = rest.split_at(self.size);
-        for (j, column) in self.sums.chunks_exact_mut(self.size).enumerate() {
-            let by = [a[j], b[j], c[j], d[j]];
-            let above = a[..=j].iter().zip(&b[..=j]).zip(&c[..=j]).zip(&d[..=j]);
-            for (sum, (((a, b), c), d)) in column.iter_mut().zip(above) {
-                *sum += (a * by[0] + b * by[1]) + (c * by[2] + d * by[3]);
-            }
-        }
+        let (width, sums, waiting) = (self.width, &mut self.sums, &self.waiting);
+        self.arch.dispatch(Flush {
+            width,
+            sums,
+            waiting,
+        });
         self.rows = 0;
     }
 
     /// Returns the sum. Only its upper triangle is filled.
     pub fn sum(mut self) -> DMatrix<f64> {
-        self.waiting[self.rows * self.size..].fill(0.0);
+        self.waiting[self.rows * self.width..].fill(0.0);
         self.flush();
-        DMatrix::from_vec(self.size, self.size, self.sums)
+        let all = DMatrix::from_vec(self.width, self.size, self.sums);
+        all.rows(0, self.size).upper_triangle()
+    }
+}
+
+/// The products of the rows that wait, as the lanes of each kind of processor make them. All give
+/// the same bits.
+struct Flush<'a> {
+    width: usize,
+    sums: &'a mut [f64],
+    waiting: &'a [f64],
+}
+
+impl WithSimd for Flush<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (a, rest) = self.waiting.split_at(self.width);
+        let (b, rest) = rest.split_at(self.width);
+        let (c, d) = rest.split_at(self.width);
+        let lanes = S::F64_LANES;
+        let sum = |a, b| simd.add_f64s(a, b);
+        for (j, column) in self.sums.chunks_exact_mut(self.width).enumerate() {
+            let end = (j + 1).next_multiple_of(lanes);
+            let by = [a, b, c, d].map(|row| simd.splat_f64s(row[j]));
+            let [a, b, c, d] = [a, b, c, d].map(|row| S::as_simd_f64s(&row[..end]).0);
+            let (column, _) = S::as_mut_simd_f64s(&mut column[..end]);
+            for ((((own, &a), &b), &c), &d) in column.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                let first = sum(simd.mul_f64s(a, by[0]), simd.mul_f64s(b, by[1]));
+                let second = sum(simd.mul_f64s(c, by[2]), simd.mul_f64s(d, by[3]));
+                *own = sum(*own, sum(first, second));
+            }
+        }
     }
 }
 
