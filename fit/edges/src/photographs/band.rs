@@ -44,7 +44,7 @@ pub(crate) fn about_the_edge(photo: &Photo, region: Roi) -> Option<Roi> {
     let side = ((width * height) as f64 / BLOCKS).sqrt().ceil() as usize;
     let mut blocks = Window::of(photo, Some([x, y, width, height]))?.reduced(side);
     defects::exclude_gross(&mut blocks);
-    let line = edge::straight(&blocks).ok()?;
+    let (line, _) = edge::straight(&blocks).ok()?;
     let rise = shape::rise_px(&Profile::new(&blocks, &line)?)?;
     let side = side as f64;
     // An averaged edge rises over a block too.

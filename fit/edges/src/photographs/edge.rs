@@ -16,21 +16,29 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile, smoothed};
 use crate::photographs::window::Window;
 
-/// Number of pixels above which a window is first searched in a copy of lower resolution.
-const LARGE: usize = 400_000;
+/// Number of pixels above which a window is first searched in a copy of lower resolution, which has
+/// about a quarter of this number.
+const LARGE: usize = 40_000;
 
-/// Finds the edge of a window that holds one edge, as a straight line.
+/// Distance of the half level from the central bin below which a profile is centred, pixels. The
+/// place is free in all later steps, and only the bins depend on it.
+const CENTRED_PX: f64 = 1e-3;
+
+/// The same while direction and curve still move.
+const ROUGHLY_PX: f64 = 0.02;
+
+/// Finds the edge of a window that holds one edge, as a straight line, and its profile.
 ///
 /// The first direction is that of the first moment under a rotationally symmetric weight, which is
 /// exact for any straight edge. Direction and place are then refined. For the first direction,
 /// large windows are averaged down.
-pub(crate) fn straight(window: &Window) -> Result<EdgeLine, Fault> {
+pub(crate) fn straight(window: &Window) -> Result<(EdgeLine, Profile), Fault> {
     let pixels = window.width() * window.height();
     let mut start = None;
     if pixels > LARGE {
         let side = (4.0 * pixels as f64 / LARGE as f64).sqrt().ceil() as usize;
         match straight(&window.reduced(side)) {
-            Ok(small) => {
+            Ok((small, _)) => {
                 start = Some(EdgeLine {
                     offset_px: small.offset_px * side as f64,
                     ..small
@@ -49,49 +57,70 @@ pub(crate) fn straight(window: &Window) -> Result<EdgeLine, Fault> {
             bend: None,
         },
     };
-    straighten(window, &mut line)?;
-    Ok(line)
+    let profile = straighten(window, &mut line)?;
+    Ok((line, profile))
 }
 
 /// Refines the direction, the place and the curve of an edge until the pixels scatter least about
-/// their common profile. The light should be even, because a fall of light along the edge looks
-/// like a bend.
+/// their common profile, and returns both. The light should be even, because a fall of light along
+/// the edge looks like a bend.
 ///
 /// The angle and the curve are refined by Gauss-Newton steps; the place is the half level of the
 /// profile. The accuracy is limited by noise, see `normal_standard_error_rad`; without noise the
 /// error is below 2e-5 rad.
-pub(crate) fn refine(window: &Window, mut line: EdgeLine) -> Result<EdgeLine, Fault> {
-    let mut profile = straighten(window, &mut line)?;
+pub(crate) fn refine(window: &Window, mut line: EdgeLine) -> Result<(EdgeLine, Profile), Fault> {
+    // A step of the curve turns the line too.
+    let profile = match line.bend {
+        None => straighten(window, &mut line)?,
+        Some(_) => {
+            let profile = profile_of(window, &line)?;
+            centre(window, &mut line, profile, ROUGHLY_PX)?
+        }
+    };
+    bend(window, line, profile)
+}
+
+/// Refines the curve of an edge, whose direction and place are refined already.
+pub(crate) fn bend(
+    window: &Window,
+    mut line: EdgeLine,
+    mut profile: Profile,
+) -> Result<(EdgeLine, Profile), Fault> {
     for _ in 0..12 {
         let Some(farthest) = curve::step(window, &mut line, &profile) else {
             break;
         };
-        profile = centre(window, &mut line)?;
+        profile = profile_of(window, &line)?;
+        profile = centre(window, &mut line, profile, ROUGHLY_PX)?;
         if farthest < 1e-3 {
             break;
         }
     }
-    Ok(line)
+    profile = centre(window, &mut line, profile, CENTRED_PX)?;
+    Ok((line, profile))
 }
 
 /// Finds the edge of a window in even light, with its curve.
 pub fn locate(window: &Window) -> Result<EdgeLine, Fault> {
-    refine(window, straight(window)?)
+    let (line, profile) = straight(window)?;
+    Ok(bend(window, line, profile)?.0)
 }
 
 /// Refines direction and place of an edge, and keeps its curve. Returns its profile.
 fn straighten(window: &Window, line: &mut EdgeLine) -> Result<Profile, Fault> {
-    let mut profile = centre(window, line)?;
+    let mut profile = profile_of(window, line)?;
+    profile = centre(window, line, profile, ROUGHLY_PX)?;
     // A shift of 1e-4 px at the end of the edge does not change the MTF.
     let least = 2e-4 / (window.width() as f64).hypot(window.height() as f64);
     for _ in 0..12 {
         let step = turn(window, line, &profile);
-        profile = centre(window, line)?;
+        profile = profile_of(window, line)?;
+        profile = centre(window, line, profile, ROUGHLY_PX)?;
         if step.abs() < least.max(0.01 * line.normal_standard_error_rad) {
             break;
         }
     }
-    Ok(profile)
+    centre(window, line, profile, CENTRED_PX)
 }
 
 fn first_direction(window: &Window) -> Result<f64, Fault> {
@@ -119,18 +148,31 @@ fn first_direction(window: &Window) -> Result<f64, Fault> {
     Ok(gy.atan2(gx))
 }
 
-/// Moves the line to the half level of its profile and returns the profile about the new place.
-fn centre(window: &Window, line: &mut EdgeLine) -> Result<Profile, Fault> {
+/// Moves the line to the half level of its profile, unless it lies within `limit_px` of it, and
+/// returns the profile about the new place.
+fn centre(
+    window: &Window,
+    line: &mut EdgeLine,
+    mut profile: Profile,
+    limit_px: f64,
+) -> Result<Profile, Fault> {
     // If the line is far off the edge, the profile about it is short. Each round centres it again,
     // and the second round is nearly exact.
     for _ in 0..4 {
-        let profile = Profile::new(window, line).ok_or(Fault::TooSmall)?;
         let shift = half_level(&profile)?;
+        if shift.abs() < limit_px {
+            break;
+        }
         line.offset_px += shift;
-        if shift.abs() < 0.02 {
+        profile = profile_of(window, line)?;
+        if shift.abs() < ROUGHLY_PX {
             break;
         }
     }
+    Ok(profile)
+}
+
+fn profile_of(window: &Window, line: &EdgeLine) -> Result<Profile, Fault> {
     Profile::new(window, line).ok_or(Fault::TooSmall)
 }
 
@@ -183,11 +225,11 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
 /// light along the edge, which looks like a turn on the steep part, is known from the plateaus.
 fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
     let (mut products, mut n) = (Products::new(4), 0.0_f64);
-    for told in Steepness::new(profile).all(window, line) {
+    Steepness::new(profile).all(window, line).for_each(|told| {
         let (t, slope) = (told.along_px, told.slope);
         products.add(&[slope, told.level * t, slope * t, told.off]);
         n += 1.0;
-    }
+    });
     let factor = factor::of(products.sum());
     let spread = factor[(2, 2)];
     if spread.is_nan() || spread <= 0.0 {

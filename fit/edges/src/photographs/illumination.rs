@@ -242,10 +242,10 @@ fn bins(window: &Window, line: &EdgeLine, profile: &Profile, light: &Light) -> V
     let (sin, cos) = line.normal_rad.sin_cos();
     let half = 0.5 * (window.width() as f64 * sin.abs() + window.height() as f64 * cos.abs());
     let per_px = 0.5 * STRIPS as f64 / half;
-    for pixel in window.pixels() {
+    window.pixels().for_each(|pixel| {
         let (s, t) = ruler.place(pixel.x, pixel.y);
         let Some(expected) = profile.at(s) else {
-            continue;
+            return;
         };
         let strip = (((t + half) * per_px).max(0.0) as usize).min(STRIPS - 1);
         let bin = bin_at(s) + profile.reach as f64;
@@ -254,7 +254,7 @@ fn bins(window: &Window, line: &EdgeLine, profile: &Profile, light: &Light) -> V
         cell.place[0] += pixel.x;
         cell.place[1] += pixel.y;
         cell.off += pixel.value - expected;
-    }
+    });
     let bin = |mut cells: [Cell; STRIPS]| {
         let mut powers = [0.0; LIGHT];
         let mut n = 0.0;

@@ -4,6 +4,7 @@
 //! sides alike) needs no repair, because both plateaus are free in all later steps.
 
 use crate::photographs::edge;
+use crate::photographs::edge::curve::Waves;
 use crate::photographs::edge::fault::Accepted;
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::edge::lattice::Lattice;
@@ -168,9 +169,10 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
         line,
         profile,
         unevenness,
+        waves,
         ..
     } = repaired;
-    warnings.extend(shape::check(&window, &line, &profile, accepted)?);
+    warnings.extend(shape::check(&profile, waves, accepted)?);
     warnings.extend(profile.warnings(&line));
     let rise_px = shape::rise_px(&profile).unwrap_or(0.0);
     let reduced_noise = processing::excess_on_edge(&window, &line, &profile, rise_px);
@@ -237,6 +239,8 @@ struct Repaired {
     profile: Profile,
     /// Ratio of the largest to the smallest light that was evened out, less 1.
     unevenness: f64,
+    /// Waves of the edge about its curve.
+    waves: Waves,
     /// Patterns of the pixel grid.
     lattice: Option<Lattice>,
     /// Number of pixels that were left out, and of all pixels.
@@ -250,9 +254,8 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
     let pixels = window.pixels().count() + off;
     let as_lit = window.clone();
     let mut so_far: Option<Light> = None;
-    let mut line = edge::straight(&window)?;
-    let mut profile = Profile::new(&window, &line).ok_or(Fault::TooSmall)?;
-    let mut lattice = None;
+    let (mut line, mut profile) = edge::straight(&window)?;
+    let (mut waves, mut lattice) = (Waves::default(), None);
     for round in 0..ROUNDS {
         let light = illumination::find(&window, &line, &profile, so_far.as_ref());
         if let Some(light) = light {
@@ -263,14 +266,16 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
             let before = so_far.replace(light).unwrap_or(Light::even(&window));
             window.change(|pixel| pixel.value * before.at(pixel) / light.at(pixel));
         }
-        if round == 0 || light.is_some() {
-            (line, profile) = refined(&window, line)?;
+        if light.is_some() {
+            (line, profile) = edge::refine(&window, line)?;
+        } else if round == 0 {
+            (line, profile) = edge::bend(&window, line, profile)?;
         }
         // Light that is left looks like defects and waves.
         if light.is_some() && round + 1 < ROUNDS {
             continue;
         }
-        let waves = shape::waves(&window, &line, &profile);
+        waves = shape::waves(&window, &line, &profile);
         // Shifted rows look like defects along the edge.
         let found = shape::lattice(&window, &line, &profile);
         found.check()?;
@@ -279,7 +284,7 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
         let taken_out = defects::exclude(&mut window, &line, &profile, astray_px);
         if taken_out > 0 {
             off += taken_out;
-            (line, profile) = refined(&window, line)?;
+            (line, profile) = edge::refine(&window, line)?;
         }
         let share = off as f64 / pixels as f64;
         if share > MOST_OFF {
@@ -301,6 +306,7 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
         line,
         profile,
         unevenness,
+        waves,
         lattice,
         off,
         pixels,
@@ -319,6 +325,7 @@ impl Repaired {
         self.as_lit.set_excess(excess);
         self.line.normal_standard_error_rad *= excess.sqrt();
         self.profile = Profile::new(&self.window, &self.line).ok_or(Fault::TooSmall)?;
+        self.waves = shape::waves(&self.window, &self.line, &self.profile);
         Ok(())
     }
 
@@ -345,10 +352,4 @@ impl Repaired {
             .chain(self.lattice.iter().flat_map(Lattice::warnings))
             .collect()
     }
-}
-
-fn refined(window: &Window, line: EdgeLine) -> Result<(EdgeLine, Profile), Fault> {
-    let line = edge::refine(window, line)?;
-    let profile = Profile::new(window, &line).ok_or(Fault::TooSmall)?;
-    Ok((line, profile))
 }

@@ -88,14 +88,14 @@ impl Profile {
         let limit = ((window.width() + window.height()) as f64 / BIN_PX) as usize;
         let mut sums = vec![Sums::default(); 2 * limit + 1];
         let ruler = line.ruler();
-        for p in window.pixels() {
+        window.pixels().for_each(|p| {
             let (s, _) = ruler.place(p.x, p.y);
             let j = bin_at(s);
             let d = s - j * BIN_PX;
             // A line that was sought in vain can lie outside of the window, and its curve far off.
             let place = j + limit as f64;
             if !(0.0..sums.len() as f64).contains(&place) {
-                continue;
+                return;
             }
             let bin = &mut sums[place as usize];
             bin.n += 1.0;
@@ -105,7 +105,7 @@ impl Profile {
             bin.s[1] += d * d;
             bin.s[2] += d * d * d;
             bin.value_s += p.value * d;
-        }
+        });
         let reach = covered(&sums, limit)?;
         let sums = &sums[limit - reach..=limit + reach];
         let mut profile = Profile {

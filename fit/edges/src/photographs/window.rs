@@ -111,7 +111,8 @@ impl Window {
         self.height
     }
 
-    /// Returns all pixels that are not excluded, row by row.
+    /// Returns all pixels that are not excluded, row by row. By `for_each` they come twice as fast as
+    /// by `for`.
     pub fn pixels(&self) -> impl Iterator<Item = Pixel> + '_ {
         let (cx, cy) = self.centre();
         self.values

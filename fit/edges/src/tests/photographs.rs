@@ -197,7 +197,8 @@ fn wild_pixels_beyond_the_profile_are_left_out() {
             let measured = edge(photo, None, &[]).unwrap();
             let end = measured.profile.reach as f64 * crate::photographs::BIN_PX;
             let pixels = || measured.window.pixels();
-            let beyond = pixels().filter(|p| measured.line.place(p).0.abs() > end);
+            let ruler = measured.line.ruler();
+            let beyond = pixels().filter(|p| ruler.place(p.x, p.y).0.abs() > end);
             [pixels().count(), beyond.count()]
         });
         // The corners of this tilt lie beyond the profile, at least two of them.

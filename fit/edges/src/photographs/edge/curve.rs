@@ -107,14 +107,14 @@ impl Steepness {
         count: usize,
     ) -> Vec<Piece> {
         let mut pieces = vec![Piece::default(); count];
-        for told in self.steep(window, line) {
+        self.steep(window, line).for_each(|told| {
             let place = 0.5 * ((told.along_px - middle_px) / half_px + 1.0) * count as f64;
             let piece = &mut pieces[(place.max(0.0) as usize).min(count - 1)];
             piece.weight += told.slope * told.slope;
             piece.off += told.slope * told.off;
             piece.squares += told.off * told.off;
             piece.pixels += 1.0;
-        }
+        });
         pieces
     }
 }
@@ -186,9 +186,9 @@ pub(crate) fn step(window: &Window, line: &mut EdgeLine, profile: &Profile) -> O
 /// Returns a straight curve that spans the steep pixels of an edge, or `None` if there are too few.
 fn span(steepness: &Steepness, window: &Window, line: &EdgeLine) -> Option<Bend> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for told in steepness.steep(window, line) {
+    steepness.steep(window, line).for_each(|told| {
         (low, high) = (low.min(told.along_px), high.max(told.along_px));
-    }
+    });
     (high > low).then_some(Bend {
         middle_px: 0.5 * (low + high),
         half_px: 0.5 * (high - low),
@@ -232,7 +232,7 @@ impl Steepness {
     fn normal(&self, window: &Window, line: &EdgeLine, bend: &Bend) -> (DMatrix<f64>, f64) {
         let mut normal = Products::new(OFF + 1);
         let mut pixels = 0.0;
-        for told in self.all(window, line) {
+        self.all(window, line).for_each(|told| {
             let (level, slope) = (told.level, told.slope);
             let t = (told.along_px - bend.middle_px) / bend.half_px;
             let across = level * t * told.across_px / bend.half_px;
@@ -247,7 +247,7 @@ impl Steepness {
             row[OFF] = told.off;
             normal.add(&row);
             pixels += 1.0;
-        }
+        });
         (normal.sum(), pixels)
     }
 }
@@ -267,7 +267,7 @@ fn order(falls: &[f64], variance: f64, pixels: f64) -> usize {
 }
 
 /// Waves of an edge that are left about its curve.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Waves {
     /// Root mean square of the waves that noise does not explain, pixels.
     pub rms_px: f64,
@@ -287,11 +287,7 @@ const PIECES: usize = 32;
 /// `rise_px` is the distance from 10 to 90 % of the step. Waves with the variance v on a blur of
 /// variance b lower the MTF to 2^-(v/b) of itself where it is one half.
 pub(crate) fn waves(window: &Window, line: &EdgeLine, profile: &Profile, rise_px: f64) -> Waves {
-    let none = Waves {
-        rms_px: 0.0,
-        most_px: 0.0,
-        loss: 0.0,
-    };
+    let none = Waves::default();
     let steepness = Steepness::new(profile);
     let Some(span) = line.bend.or_else(|| span(&steepness, window, line)) else {
         return none;

@@ -63,7 +63,7 @@ pub(crate) fn find(window: &Window, line: &EdgeLine, profile: &Profile, rise_px:
     );
     let both = seen(crosses);
     let (mut products, mut pixels) = (Products::new(OFF + 1), 0.0);
-    for told in Steepness::new(profile).all(window, line) {
+    Steepness::new(profile).all(window, line).for_each(|told| {
         let [column, row] = told.is_odd.map(|odd| if odd { -1.0 } else { 1.0 });
         let (level, slope) = (told.level, told.slope);
         products.add(&[
@@ -78,7 +78,7 @@ pub(crate) fn find(window: &Window, line: &EdgeLine, profile: &Profile, rise_px:
             told.off,
         ]);
         pixels += 1.0;
-    }
+    });
     let factor = factor::of(products.sum());
     let falls = factor.column(OFF);
     let variance = window.excess() * falls[OFF].powi(2) / f64::max(pixels, 1.0);

@@ -28,11 +28,10 @@ const LONGEST_RISE: f64 = 0.55;
 const WAVY: [f64; 2] = [0.005, 0.1];
 
 /// Refuses doubled, wavy and wide edges, and returns warnings about accepted faults and small
-/// waves.
+/// waves. `waves` are those of the profile's edge.
 pub(crate) fn check(
-    window: &Window,
-    line: &EdgeLine,
     profile: &Profile,
+    waves: Waves,
     accepted: &[Accepted],
 ) -> Result<Vec<String>, Fault> {
     let mut warnings = Vec::new();
@@ -52,7 +51,6 @@ pub(crate) fn check(
             100.0 * share
         ));
     }
-    let waves = waves(window, line, profile);
     if waves.loss > WAVY[1] {
         return Err(Fault::Wavy {
             rms_px: waves.rms_px,

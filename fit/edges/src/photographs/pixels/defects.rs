@@ -58,8 +58,9 @@ pub(crate) fn exclude(
     };
     // Wild pixels draw the mean of their bin towards them: up to three of them by this share.
     let share = |s: f64| (1.0 - 4.0 / profile.count[bin(s)]).max(0.5);
+    let ruler = line.ruler();
     let doubtful = window.pixels().any(|p| {
-        let (s, _) = line.place(&p);
+        let (s, _) = ruler.place(p.x, p.y);
         off(profile, s, p.value, share(s))
     });
     if !doubtful {
@@ -67,7 +68,7 @@ pub(crate) fn exclude(
     }
     let mut values = vec![Vec::new(); profile.len()];
     for p in window.pixels() {
-        let (s, _) = line.place(&p);
+        let (s, _) = ruler.place(p.x, p.y);
         if profile.at(s).is_some() {
             values[bin(s)].push(p.value);
         }
@@ -80,5 +81,5 @@ pub(crate) fn exclude(
         }
     }
     medians.bridge_means();
-    window.keep(|p| !off(&medians, line.place(p).0, p.value, 1.0))
+    window.keep(|p| !off(&medians, ruler.place(p.x, p.y).0, p.value, 1.0))
 }
