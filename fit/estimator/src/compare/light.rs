@@ -121,7 +121,7 @@ pub(crate) struct Lights {
 /// The exponent is taken as linear along the edge within the bin. For light that varies by 30 %
 /// over four bins this leaves 1e-5 of the light.
 pub(super) fn of(bin: &Bin, from_px: f64, terms: &Uneven, count: usize) -> Lights {
-    let share = bin.spread / bin.count.max(1.0);
+    let [share, _] = bin.variance;
     let [across, bend] = bin.from_middle;
     let (means, slopes) = powers(
         [(across - from_px) / UNIT_PX, bend],
@@ -225,6 +225,7 @@ mod tests {
             along,
             from_middle: [distance, 0.0],
             spread,
+            variance: [spread / n, 0.0],
             ..Bin::default()
         };
         let terms = [0.1, -0.1, -0.07, 0.05, -0.07, 0.01, 0.01, -0.01, 0.01, 0.01];

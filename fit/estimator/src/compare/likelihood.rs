@@ -71,6 +71,7 @@ pub struct FittedPhotograph {
 }
 
 /// Pixels of a photograph with their noise and their weights.
+#[derive(Clone)]
 pub struct Photograph<'a> {
     /// Pixels of the photograph, by bins.
     pub pixels: &'a Pixels,

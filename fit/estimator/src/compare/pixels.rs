@@ -36,8 +36,10 @@ pub struct Bin {
     pub from_middle: [f64; 2],
     /// Sum of (t - mean t)^2.
     pub spread: f64,
-    /// Sums of (t - mean t) u and of (t - mean t) u^2.
-    pub cross: [f64; 2],
+    /// Variance of t, and covariance of t and u.
+    pub variance: [f64; 2],
+    /// Slopes of u and of u^2 along t; 0 if `spread` is 0.
+    pub tilt: [f64; 2],
     /// Mean of the values, linear light.
     pub mean: f64,
     /// Slope of the values along t (per pixel); 0 if `spread` is 0.
@@ -82,14 +84,14 @@ impl Pixels {
         let (sin, cos) = line.normal_rad.sin_cos();
         let half = 0.5 * (window.width() as f64 * sin.abs() + window.height() as f64 * cos.abs());
         let per_px = 0.5 * STRIPS as f64 / half;
-        for p in window.pixels() {
+        window.pixels().for_each(|p| {
             let (d, t) = ruler.place(p.x, p.y);
             let j = bin_at(d);
             let strip = (((t + half) * per_px).max(0.0) as usize).min(STRIPS - 1);
             let sum = &mut sums[(j as i64 + limit) as usize][strip];
             sum.add(d - j * BIN_PX, t, p.value);
             sum.place(p.x * cos + p.y * sin, t);
-        }
+        });
         let (mut bins, mut strips) = (Vec::new(), Vec::new());
         for (number, parts) in (-limit..).zip(&sums) {
             let filled = || parts.iter().filter(|part| part.count > 0.0);
@@ -197,30 +199,22 @@ impl Sums {
         // rounding.
         let spread = self.tt - n * along * along;
         let spread = if spread > 1e-9 * self.tt { spread } else { 0.0 };
+        let per_spread = |sum: f64| if spread > 0.0 { sum / spread } else { 0.0 };
+        let cross = [
+            self.tu - n * along * across[0],
+            self.tuu - n * along * across[1],
+        ];
         Bin {
             number,
             count: n,
             across,
             along,
-            from_middle: [
-                self.s / n,
-                if spread > 0.0 {
-                    (self.st - self.s * along) / spread
-                } else {
-                    0.0
-                },
-            ],
+            from_middle: [self.s / n, per_spread(self.st - self.s * along)],
             spread,
-            cross: [
-                self.tu - n * along * across[0],
-                self.tuu - n * along * across[1],
-            ],
+            variance: [spread / n, cross[0] / n],
+            tilt: cross.map(per_spread),
             mean,
-            slope: if spread > 0.0 {
-                (self.yt - n * along * mean) / spread
-            } else {
-                0.0
-            },
+            slope: per_spread(self.yt - n * along * mean),
             scatter: [
                 self.yy - n * mean * mean,
                 self.yu - n * mean * across[0],

@@ -24,17 +24,11 @@ impl Place {
         // u - place + turn t. The spread that the turn itself makes is kept to second order.
         let by = turn * bin.along - (place - whole * BIN_PX);
         let [u, uu, uuu] = bin.across;
-        let n = bin.count.max(1.0);
-        let tu = bin.cross[0] / n;
-        let second = uu + 2.0 * by * u + by * by + turn * (2.0 * tu + turn * bin.spread / n);
+        let [tt, tu] = bin.variance;
+        let second = uu + 2.0 * by * u + by * by + turn * (2.0 * tu + turn * tt);
         let third = uuu + 3.0 * by * uu + 3.0 * by * by * u + by.powi(3);
-        let slopes = if bin.spread > 0.0 {
-            [bin.cross[0] / bin.spread, bin.cross[1] / bin.spread]
-        } else {
-            [0.0; 2]
-        };
-        let first_along = slopes[0] + turn;
-        let second_along = slopes[1] + 2.0 * by * slopes[0] + 2.0 * turn * (u + by);
+        let first_along = bin.tilt[0] + turn;
+        let second_along = bin.tilt[1] + 2.0 * by * bin.tilt[0] + 2.0 * turn * (u + by);
         Place {
             offset: bin.number - whole as i64,
             moments: [
@@ -43,10 +37,7 @@ impl Place {
                 third / BIN_PX.powi(3),
             ],
             along: [first_along / BIN_PX, second_along / (BIN_PX * BIN_PX)],
-            turned: [
-                bin.along,
-                ((u + by) * bin.along + tu + turn * bin.spread / n) / BIN_PX,
-            ],
+            turned: [bin.along, ((u + by) * bin.along + tu + turn * tt) / BIN_PX],
         }
     }
 
@@ -103,13 +94,15 @@ mod tests {
         let mean =
             |of: &dyn Fn(f64, f64) -> f64| pixels.iter().map(|&(u, t)| of(u, t)).sum::<f64>() / n;
         let along = mean(&|_, t| t);
+        let variance = mean(&|_, t| (t - along).powi(2));
         let bin = Bin {
             number: 7,
             count: n,
             across: [1, 2, 3].map(|power| mean(&|u, _| u.powi(power))),
             along,
-            spread: n * mean(&|_, t| (t - along).powi(2)),
-            cross: [1, 2].map(|power| n * mean(&|u, t| (t - along) * u.powi(power))),
+            spread: n * variance,
+            variance: [variance, mean(&|u, t| (t - along) * u)],
+            tilt: [1, 2].map(|power| mean(&|u, t| (t - along) * u.powi(power)) / variance),
             ..Bin::default()
         };
         for place in [0.0, 0.1, -0.07, 0.81] {

@@ -122,10 +122,10 @@ impl Photograph<'_> {
     /// Returns the expected light of each bin and its slope per pixel across the edge, for the
     /// nuisances of the start.
     pub(super) fn light(&self, curves: &Curves) -> Vec<[f64; 2]> {
-        let start = &self.start;
+        let (start, bends) = (&self.start, self.bends());
         let bins = self.bins.iter();
         bins.map(|bin| {
-            let place = start.place(bin, self.tangents(bin));
+            let place = start.place(bin, &self.tangents(bin)[..bends]);
             let Lights { all, .. } = self.lights(bin, &start.light);
             let unit @ [_, _, across, _] = place.of(&curves.value);
             [
@@ -146,7 +146,7 @@ impl Photograph<'_> {
                 let [yy, yu, uu] = bin.scatter;
                 let squares = yy - 2.0 * across * yu + across * across * uu;
                 let (along, slopes) = if bin.spread > 0.0 {
-                    let slope = bin.slope - across * bin.cross[0] / bin.spread;
+                    let slope = bin.slope - across * bin.tilt[0];
                     (slope * slope * bin.spread, 1.0)
                 } else {
                     (0.0, 0.0)

@@ -45,8 +45,9 @@ pub(super) fn anywhere(most: f64) -> [f64; 2] {
 }
 
 impl Nuisances {
-    /// Locates the pixels of a bin in the edge profile. `tangents` are those of the curve's orders.
-    pub(super) fn place(&self, bin: &Bin, tangents: [[f64; 2]; ORDERS - 1]) -> Place {
+    /// Locates the pixels of a bin in the edge profile. `tangents` are those of the curve's orders
+    /// that are estimated.
+    pub(super) fn place(&self, bin: &Bin, tangents: &[[f64; 2]]) -> Place {
         let mut line = [self.place_px, self.turn_rad];
         for (term, [height, slope]) in self.bend_px.iter().zip(tangents) {
             line[0] += term * height;

@@ -32,7 +32,7 @@ impl Photograph<'_> {
         let slope_across = at.light[0] / UNIT_PX;
         let of_lamp = at.lamp * slope_across;
         for (bin, weight) in self.bins.iter().zip(&self.weights) {
-            let tangents = self.tangents(bin);
+            let tangents = &self.tangents(bin)[..bends];
             let place = at.place(bin, tangents);
             let lights = self.lights(bin, &at.light);
             // A curve in this light: its mean, and its slope along the edge.
@@ -71,7 +71,7 @@ impl Photograph<'_> {
                 let both = |k: usize| at.step * of_edge[k] + at.lit * of_dark[k];
                 push([0, 1].map(both), 1.0);
             }
-            for [height, slope] in tangents.into_iter().take(bends) {
+            for [height, slope] in tangents {
                 let both = |k: usize| height * by_place[k] - slope * by_turn[k];
                 push([0, 1].map(both), at.step);
             }

@@ -117,7 +117,7 @@ fn noise_is_the_scatter_over_the_degrees_of_freedom() {
         pixels.cut = Cut::default();
         for bin in pixels.bins.iter_mut().chain(&mut pixels.strips) {
             let free = if bin.spread > 0.0 { 2.0 } else { 1.0 };
-            (bin.slope, bin.cross) = (0.0, [0.0; 2]);
+            (bin.slope, bin.tilt, bin.variance[1]) = (0.0, [0.0; 2], 0.0);
             bin.scatter = [(bin.count - free) * v, 0.0, 0.0];
         }
         let mut photograph = Photograph::new(&pixels, scene.optics.camera.pitch_mm);
