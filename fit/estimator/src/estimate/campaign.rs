@@ -290,7 +290,7 @@ pub fn undiagnosed(
         goodness,
         mut near,
         hint,
-        is_uneven,
+        loss,
         sampled,
     } = fitted(&scene, table, &candidates, options, progress)?;
     let kind = options.kind();
@@ -313,11 +313,10 @@ pub fn undiagnosed(
         campaign: &campaign,
         table,
         others: &options.others,
-        kind,
+        loss: &loss,
         best: &best,
         bounds: &bounds,
         azimuth_found: azimuth.is_some(),
-        is_uneven,
         is_far: goodness.scale > UNBOUNDED,
     };
     let trusted = doubted.unverified();
@@ -350,7 +349,7 @@ pub fn undiagnosed(
 }
 
 /// Result of the fits of one scene.
-struct SceneFit {
+struct SceneFit<'a> {
     best: Estimate,
     compared: Vec<Ranked>,
     bounds: Bounds,
@@ -358,8 +357,8 @@ struct SceneFit {
     near: (Choice, DVector<f64>),
     /// Further blur that the photographs hint at, in a sentence.
     hint: Option<String>,
-    /// Whether the light is uneven; `None` if the loss does not ask.
-    is_uneven: Option<bool>,
+    /// Loss that was minimised, in closed form.
+    loss: Loss<'a>,
     /// Scene with the samples of the estimate, if the model was evaluated by samples.
     sampled: Option<Scene>,
 }
@@ -371,13 +370,13 @@ const UNBOUNDED: f64 = 10.0;
 
 /// Chooses the terms, bounds undetermined parameters, and fits by the loss and the forward model of
 /// the options.
-fn fitted(
-    scene: &Scene,
+fn fitted<'a>(
+    scene: &'a Scene,
     table: &Table,
     candidates: &Candidates,
     options: &Options,
     progress: &Progress,
-) -> Result<SceneFit, Error> {
+) -> Result<SceneFit<'a>, Error> {
     let kind = options.kind();
     // Terms and bounds are found in closed form and in units of the noise.
     let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
@@ -404,12 +403,11 @@ fn fitted(
     }
     let hint = (kind == Kind::Edge && telling.scale <= UNBOUNDED)
         .then(|| further::hinted(scene, &selection.loss, &selection.best, unit));
-    let is_uneven = selection.loss.is_uneven();
     let Selection {
+        mut loss,
         best,
         compared,
         near,
-        ..
     } = selection;
     let (mut best, goodness, sampled) = if let Some(sampling) = options.samples {
         let renders = Renders {
@@ -422,11 +420,12 @@ fn fitted(
             sampling,
         };
         let (best, sampled) = renders.estimate(best.choice, progress)?;
-        let loss = Loss::of_mtfs(&sampled, renders.weights);
-        let goodness = goodness::of(&sampled, &loss, &best);
+        loss = Loss::of_mtfs(scene, renders.weights);
+        let by_samples = Loss::of_mtfs(&sampled, renders.weights);
+        let goodness = goodness::of(&sampled, &by_samples, &best);
         (best, goodness, Some(sampled))
     } else if kind == Kind::Mse {
-        let loss = Loss::Mse(scene);
+        loss = Loss::Mse(scene);
         let best = estimate(scene, &loss, refined(scene, &loss, best.optimum()));
         let goodness = goodness::of(scene, &loss, &best);
         (best, goodness, None)
@@ -445,7 +444,7 @@ fn fitted(
         goodness,
         near,
         hint,
-        is_uneven,
+        loss,
         sampled,
     })
 }

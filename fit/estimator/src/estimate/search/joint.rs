@@ -24,7 +24,6 @@ pub struct Joint<'a> {
     /// Numbers of the lenses that are estimated, such as ln(blur / mm). What is known of them
     /// beforehand counts as numbers beside the pixels.
     lens: DVector<f64>,
-    is_uneven: bool,
 }
 
 /// Information whose inverse is the covariance. The variants differ only if pixels were cut off at
@@ -41,28 +40,12 @@ impl<'a> Joint<'a> {
     /// Finds noise and nuisances of each photograph under the model of `choice` at `parameters`
     /// (logarithms of c and of the spreads), which should be near the truth.
     pub fn new(scene: &'a Scene, choice: Choice, parameters: &DVector<f64>) -> Joint<'a> {
-        Joint::in_light(scene, choice, parameters, None)
-    }
-
-    /// Does what [`Joint::new`] does where it is known whether the light is uneven.
-    pub(crate) fn in_light(
-        scene: &'a Scene,
-        choice: Choice,
-        parameters: &DVector<f64>,
-        is_uneven: Option<bool>,
-    ) -> Joint<'a> {
         let camera = &scene.optics.camera;
         let layout = Layout::new(choice, scene.groups.len());
         let settled = |pixels: &'a Pixels, model: Option<(&Model, Blur)>| {
             let mut photograph = Photograph::new(pixels, camera.pitch_mm);
             let curves = photograph.curves(model, camera, &[]);
-            let fall = match is_uneven {
-                None => photograph.settle(&curves),
-                Some(_) => {
-                    photograph.settle_evenly(&curves);
-                    0.0
-                }
-            };
+            let fall = photograph.settle(&curves);
             (photograph, curves, fall)
         };
         let shots = scene.shots.par_iter().map(|shot| {
@@ -72,11 +55,8 @@ impl<'a> Joint<'a> {
         let mut all: Vec<(Photograph, Curves, f64)> = shots.collect();
         let references = scene.reference.iter().flat_map(|own| &own.photographs);
         all.extend(references.map(|reference| settled(&reference.pixels, None)));
-        let is_uneven = is_uneven.unwrap_or_else(|| {
-            let falls: Vec<f64> = all.iter().map(|(_, _, fall)| *fall).collect();
-            are_uneven(&falls)
-        });
-        if is_uneven {
+        let falls: Vec<f64> = all.iter().map(|(_, _, fall)| *fall).collect();
+        if are_uneven(&falls) {
             all.par_iter_mut()
                 .for_each(|(photograph, curves, _)| photograph.settle_unevenly(curves));
         }
@@ -88,13 +68,21 @@ impl<'a> Joint<'a> {
             shots,
             references,
             lens: scene.optics.lens.clone(),
-            is_uneven,
         }
     }
 
-    /// Returns whether the light of the photographs is uneven.
-    pub(crate) fn is_uneven(&self) -> bool {
-        self.is_uneven
+    /// Returns the same photographs, with their noise and their light as they are here, in another
+    /// scene.
+    pub(crate) fn in_scene<'b>(&self, scene: &'b Scene) -> Joint<'b>
+    where
+        'a: 'b,
+    {
+        Joint {
+            scene,
+            shots: self.shots.clone(),
+            references: self.references.clone(),
+            lens: scene.optics.lens.clone(),
+        }
     }
 
     /// Replaces the noise of all photographs by a known one.

@@ -56,24 +56,16 @@ impl<'a> Loss<'a> {
         }
     }
 
-    /// Does what [`Loss::new`] does where it is known whether the light is uneven.
-    pub(crate) fn in_light(
-        kind: Kind,
-        scene: &'a Scene,
-        near: (Choice, &DVector<f64>),
-        is_uneven: Option<bool>,
-    ) -> Loss<'a> {
-        match kind {
-            Kind::Edge => Loss::Edge(Box::new(Joint::in_light(scene, near.0, near.1, is_uneven))),
-            Kind::Mtf | Kind::Mse => Loss::new(kind, scene, near),
-        }
-    }
-
-    /// Returns whether the light of the photographs is uneven; `None` for losses that do not ask.
-    pub(crate) fn is_uneven(&self) -> Option<bool> {
+    /// Returns the loss of the same photographs in another scene, with the noise and the light that
+    /// they have in this one.
+    pub(crate) fn in_scene<'b>(&self, scene: &'b Scene) -> Loss<'b>
+    where
+        'a: 'b,
+    {
         match self {
-            Loss::Mtf(_) | Loss::Mse(_) => None,
-            Loss::Edge(joint) => Some(joint.is_uneven()),
+            Loss::Mtf(_) => Loss::Mtf(scene),
+            Loss::Mse(_) => Loss::Mse(scene),
+            Loss::Edge(joint) => Loss::Edge(Box::new(joint.in_scene(scene))),
         }
     }
 

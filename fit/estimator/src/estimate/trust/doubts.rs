@@ -2,8 +2,7 @@
 //!
 //! An effect is a step of Gauss and Newton. The chosen candidate, at its optimum, is compared with
 //! the photographs in the scene as it would be if the number were another (see `perturbed`), and mu
-//! follows at the end of the step. Noise and light of the photographs are found at the optimum. The
-//! step misses the optimum of the other scene by a part of the effect that is about as large as the
+//! follows at the end of the step. The photographs keep the noise of the estimate. The step misses the optimum of the other scene by a part of the effect that is about as large as the
 //! effect itself, a few percent of it. Another cell has large effects, and is fitted to the end.
 //! Effects that follow by arithmetic alone need no step:
 //!
@@ -21,7 +20,7 @@ use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::search::bound::Bounds;
 use crate::estimate::search::fitted::{Estimate, estimate};
 use crate::estimate::search::layout::Layout;
-use crate::estimate::search::loss::{Kind, Loss};
+use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::{Optimum, optimum, refined};
 use crate::estimate::trust::suspects::OtherTable;
 use crate::estimate::trust::unverified::{Effect, Unverified, UnverifiedInput};
@@ -50,17 +49,14 @@ pub struct Doubted<'a> {
     pub table: &'a Table,
     /// Tables of other cells.
     pub others: &'a [OtherTable],
-    /// Loss that was minimised.
-    pub kind: Kind,
+    /// Loss that was minimised, in the scene.
+    pub loss: &'a Loss<'a>,
     /// The estimate.
     pub best: &'a Estimate,
     /// Parameters that the photographs only bound.
     pub bounds: &'a Bounds,
     /// True if the azimuth was estimated.
     pub azimuth_found: bool,
-    /// Whether the light of the photographs is uneven; `None` if this is not known. A step does not
-    /// change it.
-    pub is_uneven: Option<bool>,
     /// Whether the estimate is so far from the photographs that no effect is computed.
     pub is_far: bool,
 }
@@ -108,16 +104,20 @@ impl Doubted<'_> {
         if !scene.is_lit() || scene.groups.len() != self.scene.groups.len() {
             return None;
         }
-        // Noise and light are found as the estimate in the other scene would find them.
-        let (near, is_uneven) = match solve {
-            Solve::Step => (self.best.optimum(), self.is_uneven),
-            Solve::Fit => (optimum(scene, self.best.choice), None),
-        };
-        let at = (near.choice, &near.solution.parameters);
-        let loss = Loss::in_light(self.kind, scene, at, is_uneven);
-        let found = match solve {
-            Solve::Step => self.stepped(scene, &loss, near, None)?,
-            Solve::Fit => refined(scene, &loss, near),
+        let (loss, found) = match solve {
+            Solve::Step => {
+                let loss = self.loss.in_scene(scene);
+                let found = self.stepped(scene, &loss, self.best.optimum(), None)?;
+                (loss, found)
+            }
+            // Noise and light are found as the estimate in the other scene would find them.
+            Solve::Fit => {
+                let near = optimum(scene, self.best.choice);
+                let at = (near.choice, &near.solution.parameters);
+                let loss = Loss::new(self.loss.kind(), scene, at);
+                let found = refined(scene, &loss, near);
+                (loss, found)
+            }
         };
         let is_found = found.solution.stop != Stop::Failed;
         is_found.then(|| estimate(scene, &loss, found).coordinates())
@@ -340,17 +340,16 @@ impl Doubts<'_> {
     /// have: standard deviation, pixels.
     fn blurred(&self, by_px: f64) -> Option<Changes> {
         let Doubted {
-            scene, kind, best, ..
+            scene, loss, best, ..
         } = *self.doubted;
         let base = self.base?;
         let mut from = best.optimum();
-        let loss = Loss::new(kind, scene, (from.choice, &from.solution.parameters));
         from.choice.further.own_blur = true;
         let column = Layout::new(from.choice, scene.groups.len()).own_blur()?;
         let variance_mm2 = (by_px * scene.optics.camera.pitch_mm).powi(2);
         from.solution.parameters = from.solution.parameters.insert_row(column, variance_mm2);
-        let stepped = self.doubted.stepped(scene, &loss, from, Some(column))?;
-        let mut found = estimate(scene, &loss, stepped).coordinates();
+        let stepped = self.doubted.stepped(scene, loss, from, Some(column))?;
+        let mut found = estimate(scene, loss, stepped).coordinates();
         found.remove(column);
         let pairs = found.iter().zip(base);
         Some(pairs.map(|(found, own)| found - own).collect())

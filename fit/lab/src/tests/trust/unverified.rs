@@ -210,11 +210,10 @@ fn another_table_shows_what_the_cell_does() {
         campaign: &own.campaign,
         table: &own_table,
         others: std::slice::from_ref(&other),
-        kind: own.kind,
+        loss: &own.loss(),
         best: &own.best,
         bounds: &own.bounds,
         azimuth_found: false,
-        is_uneven: None,
         is_far: false,
     };
     let trusted = doubted.unverified();
