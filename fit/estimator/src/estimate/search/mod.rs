@@ -16,3 +16,4 @@ pub mod optimum;
 mod score;
 pub mod select;
 pub mod start;
+mod tried;

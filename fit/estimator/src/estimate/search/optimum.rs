@@ -44,34 +44,56 @@ pub fn optimum(scene: &Scene, choice: Choice) -> Optimum {
     refined(scene, &Loss::Mtf(scene), start)
 }
 
-/// Fits a candidate to the MTFs to a thousandth, which is enough to recognise a hopeless one.
+/// Share by which parameters and sum of squares change at the end of a rough fit.
+pub(crate) const ROUGH: f64 = 1e-3;
+
+/// The same of a fit that only tells whether a candidate is far behind another one. It takes half of
+/// the steps.
+pub(crate) const COARSE: f64 = 3e-2;
+
+/// Fits a candidate to the MTFs to a thousandth.
 pub fn rough(scene: &Scene, choice: Choice) -> Optimum {
-    rough_from(scene, choice, start::points(scene, choice))
+    rough_from(ROUGH, scene, choice, start::points(scene, choice))
 }
 
-/// Fits a candidate to the MTFs to a thousandth, from at least one given starting point.
-pub fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> Optimum {
-    const ROUGH: f64 = 1e-3;
+/// Fits a candidate to the MTFs from at least one given starting point, until parameters and sum of
+/// squares change by less than the share `tolerance`.
+pub(crate) fn rough_from(
+    tolerance: f64,
+    scene: &Scene,
+    choice: Choice,
+    starts: Vec<start::Start>,
+) -> Optimum {
+    let all = from_each(tolerance, scene, choice, starts);
+    let best = nearest(all.iter()).expect("there is always a starting point");
+    best.clone()
+}
+
+/// Fits a candidate to the MTFs from each of the given starting points.
+pub(crate) fn from_each(
+    tolerance: f64,
+    scene: &Scene,
+    choice: Choice,
+    starts: Vec<start::Start>,
+) -> Vec<Optimum> {
     let loss = Loss::Mtf(scene);
     let layout = Layout::new(choice, scene.groups.len());
-    let solutions = starts.into_par_iter().map(|start| {
+    let fits = starts.into_par_iter().map(|start| {
         let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();
         let c = choice.kernel.has_c().then(|| start.c_mm.ln());
         let point = c.into_iter().chain((0..layout.spreads).map(spread));
         // A further blur begins with none.
         let point = point.chain(std::iter::repeat_n(0.0, choice.further.count()));
         let point = DVector::from_iterator(layout.parameters(), point);
-        let mut solution = least_squares(point, ROUGH, |at| loss.evaluate(&layout, at));
+        let mut solution = least_squares(point, tolerance, |at| loss.evaluate(&layout, at));
         layout.limit(&mut solution.parameters);
-        solution
+        Optimum {
+            choice,
+            solution,
+            observations: loss.observations(),
+        }
     });
-    let solutions: Vec<Solution> = solutions.collect();
-    let solution = least(solutions.into_iter()).expect("there is always a starting point");
-    Optimum {
-        choice,
-        solution,
-        observations: loss.observations(),
-    }
+    fits.collect()
 }
 
 /// Fits a candidate by any loss to convergence, from an optimum on the MTFs.
@@ -93,7 +115,7 @@ pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optim
     if !is_noticed(loss, &layout, &solution.jacobian) {
         let again = noticeable(loss, &layout, &start).map(|(start, now)| refine(start, now));
         let both = std::iter::once(solution).chain(again);
-        solution = least(both).expect("there is always a solution");
+        solution = both.min_by(by_squares).expect("there is always a solution");
     }
     layout.limit(&mut solution.parameters);
     solution.iterations += from.solution.iterations;
@@ -104,9 +126,13 @@ pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optim
     }
 }
 
-/// Returns the solution with the least sum of squares. A sum that is no number, as in a fit that
-/// failed, is larger than all.
-fn least(solutions: impl Iterator<Item = Solution>) -> Option<Solution> {
+/// Returns the fit with the least sum of squares.
+pub(crate) fn nearest<'a>(fits: impl Iterator<Item = &'a Optimum>) -> Option<&'a Optimum> {
+    fits.min_by(|a, b| by_squares(&a.solution, &b.solution))
+}
+
+/// Compares sums of squares. One that is no number, as in a fit that failed, is larger than all.
+fn by_squares(a: &Solution, b: &Solution) -> std::cmp::Ordering {
     let squares = |of: &Solution| {
         let squares = of.sum_of_squares();
         if squares.is_nan() {
@@ -115,7 +141,7 @@ fn least(solutions: impl Iterator<Item = Solution>) -> Option<Solution> {
             squares
         }
     };
-    solutions.min_by(|a, b| squares(a).total_cmp(&squares(b)))
+    squares(a).total_cmp(&squares(b))
 }
 
 /// Returns whether pixels notice c: where `jacobian` was made, a change of c by a factor of e

@@ -25,8 +25,8 @@ use crate::estimate::search::further;
 use crate::estimate::search::layout::Choice;
 use crate::estimate::search::layout::Layout;
 use crate::estimate::search::loss::{Kind, Loss};
-use crate::estimate::search::optimum::{Optimum, refined, rough, rough_from, unrefined, widened};
-use crate::estimate::search::start;
+use crate::estimate::search::optimum::{Optimum, refined, unrefined, widened};
+use crate::estimate::search::tried::{Tried, approached, misfit, share_c, spare};
 use crate::model::Further;
 use crate::model::wave;
 use crate::samples::has_samples;
@@ -46,7 +46,7 @@ use edges::names::LobeShape;
 pub const CLEAR: f64 = 4.0;
 
 /// Ratio to the best first criterion above which a candidate is not refined. Its criterion in the
-/// report is then accurate to a thousandth. This is a convention that saves time. It loses a
+/// report is then accurate to a thousandth, or to some percent if it is far behind. This is a convention that saves time. It loses a
 /// candidate that is so far behind by the MTFs and would win by the pixels.
 pub(super) const HOPELESS: f64 = 3.0;
 
@@ -188,13 +188,6 @@ impl Ranked {
     }
 }
 
-/// Returns the factor by which all sums of squares are too large: the least chi-square per degree
-/// of freedom, at least 1.
-fn misfit(fits: &[Optimum]) -> f64 {
-    let all = fits.iter().map(Optimum::reduced_chi2);
-    all.fold(f64::INFINITY, f64::min).max(1.0)
-}
-
 /// Fits all candidates and picks one.
 ///
 /// The MTFs come first, whatever the loss. They find the neighbourhood of each candidate's optimum,
@@ -211,17 +204,21 @@ pub fn select<'a>(
 ) -> Result<Selection<'a>, Error> {
     let choices = choices(scene, open);
     let (done, of) = (AtomicUsize::new(0), AtomicUsize::new(2 * choices.len()));
-    let counted = |fit: Optimum| {
+    let count = || {
         let done = 1 + done.fetch_add(1, Ordering::Relaxed);
         let of = of.load(Ordering::Relaxed);
-        progress.done(Step::Candidates { done, of }).map(|()| fit)
+        progress.done(Step::Candidates { done, of })
     };
-    let roughly = (choices.into_par_iter()).map(|choice| counted(rough(scene, choice)));
-    let mut fits: Vec<Optimum> = roughly.collect::<Result<_, Cancelled>>()?;
-    let spare = spare(scene, open, misfit(&fits));
+    let coarsely = choices.into_par_iter().map(|choice| {
+        let tried = Tried::new(scene, choice);
+        count().map(|()| tried)
+    });
+    let mut tried: Vec<Tried> = coarsely.collect::<Result<_, Cancelled>>()?;
+    let spare = spare(scene, open, misfit(tried.iter().map(Tried::best)));
     of.fetch_add(spare.len(), Ordering::Relaxed);
-    fits.extend(spare);
-    share_c(scene, &mut fits);
+    tried.extend(spare);
+    share_c(scene, &mut tried);
+    let fits = approached(scene, tried);
     let scale = misfit(&fits);
     let nearest = fits
         .iter()
@@ -234,7 +231,8 @@ pub fn select<'a>(
     let finished = fits.into_par_iter().map(|fit| {
         let hopeful = fit.criterion(scale) <= HOPELESS * least + CLEAR;
         let finish = if hopeful { refined } else { unrefined };
-        counted(finish(scene, &loss, fit))
+        let fit = finish(scene, &loss, fit);
+        count().map(|()| fit)
     });
     let mut fits: Vec<Optimum> = finished.collect::<Result<_, Cancelled>>()?;
     widen(scene, &loss, &mut fits);
@@ -256,27 +254,6 @@ pub fn select<'a>(
         best,
         compared,
     })
-}
-
-/// Fits the candidates with spare shapes to the MTFs. Returns none where others describe the
-/// photographs, or where these explain too little of the misfit that the others leave.
-fn spare(scene: &Scene, open: &Candidates, left: f64) -> Vec<Optimum> {
-    if open.spare_shapes.is_empty() || left <= further::FAR {
-        return Vec::new();
-    }
-    let kernels = open.kernels.iter().filter(|kernel| kernel.has_lobe());
-    let open = Candidates {
-        kernels: kernels.copied().collect(),
-        shapes: open.spare_shapes.clone(),
-        ..open.clone()
-    };
-    let fits = choices(scene, &open).into_par_iter();
-    let fits: Vec<Optimum> = fits.map(|choice| rough(scene, choice)).collect();
-    if further::explains(left, misfit(&fits)) {
-        fits
-    } else {
-        Vec::new()
-    }
 }
 
 /// Returns the estimate of a candidate, with one mu for all incidences unless the photographs need
@@ -313,37 +290,6 @@ fn ranked(scene: &Scene, fits: &[Optimum], scale: f64) -> Vec<Ranked> {
     rows
 }
 
-/// Tries each candidate from the c of the best one, if its own c lies elsewhere. c is a length of
-/// the sheet whatever the other terms, so a far c may be a local optimum.
-fn share_c(scene: &Scene, fits: &mut [Optimum]) {
-    // Difference of ln c: many standard errors of c in photographs that determine c, and far less
-    // than the difference between two optima.
-    const ELSEWHERE: f64 = 0.1;
-    let scale = misfit(fits);
-    let ln_c = |fit: &Optimum| {
-        fit.choice
-            .kernel
-            .has_c()
-            .then(|| fit.solution.parameters[0])
-    };
-    let best = fits
-        .iter()
-        .filter(|fit| fit.choice.kernel.has_c())
-        .min_by(|a, b| a.criterion(scale).total_cmp(&b.criterion(scale)));
-    let Some(shared) = best.and_then(ln_c) else {
-        return;
-    };
-    fits.par_iter_mut().for_each(|fit| {
-        if ln_c(fit).is_some_and(|own| (own - shared).abs() > ELSEWHERE) {
-            let start = start::at(scene, fit.choice, shared.exp());
-            let other = rough_from(scene, fit.choice, vec![start]);
-            if other.criterion(scale) < fit.criterion(scale) {
-                *fit = other;
-            }
-        }
-    });
-}
-
 /// Fits a candidate with one spread per incidence again if the same one with one spread for all is
 /// better: it holds the other, so its search has ended too early.
 fn widen(scene: &Scene, loss: &Loss, fits: &mut [Optimum]) {
@@ -363,7 +309,7 @@ fn widen(scene: &Scene, loss: &Loss, fits: &mut [Optimum]) {
     }
 }
 
-fn choices(scene: &Scene, open: &Candidates) -> Vec<Choice> {
+pub(super) fn choices(scene: &Scene, open: &Candidates) -> Vec<Choice> {
     let several = scene.groups.len() > 1;
     let sharings = match open.per_angle_a {
         Some(per_angle) => vec![per_angle],

@@ -30,7 +30,7 @@ use crate::estimate::scene::{Aerial, Scene, Source, group};
 use crate::estimate::search::fitted::{Estimate, estimate};
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::{Kind, Loss};
-use crate::estimate::search::optimum::{Optimum, refined, refined_to, rough, rough_from};
+use crate::estimate::search::optimum::{Optimum, ROUGH, refined, refined_to, rough, rough_from};
 use crate::estimate::search::select::Ranked;
 use crate::estimate::search::start::Start;
 use crate::estimate::trust::goodness;
@@ -412,7 +412,7 @@ impl Search<'_> {
         }
         let fits = choices.iter().map(|&choice| {
             let start = self.start(scene, choice);
-            rough_from(scene, choice, vec![start])
+            rough_from(ROUGH, scene, choice, vec![start])
         });
         least(scene, fits)
     }
