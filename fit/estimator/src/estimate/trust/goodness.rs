@@ -134,7 +134,8 @@ pub struct Goodness {
     /// Photograph with the largest misfit.
     pub worst: Option<Worst>,
     /// Number of photographs whose noise the camera reduced beside the edge, or smoothed more widely
-    /// than the edge of the reference.
+    /// than the edge of the reference, and of references that it sharpened until they were cut off
+    /// at 0 beside the edge.
     pub reduced: usize,
     /// Numbers of the photographs, the one with the largest misfit first.
     pub(crate) worst_first: Vec<usize>,
@@ -226,9 +227,7 @@ pub fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
                 reduced_chi2: remainders[worst].reduced(),
             }
         }),
-        reduced: (scene.shots.iter())
-            .filter(|shot| shot.reduced_noise.is_some() || is_smoothed(scene, shot))
-            .count(),
+        reduced: changed(scene),
         worst_first,
     };
     let misfit = || {
@@ -265,6 +264,17 @@ pub fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
         goodness.verdict = goodness.verdict.max(Verdict::Strained);
     }
     goodness
+}
+
+/// Returns the number of photographs whose edges the camera changed by more than a blur.
+fn changed(scene: &Scene) -> usize {
+    let shots = scene.shots.iter();
+    let shots = shots.filter(|shot| shot.reduced_noise.is_some() || is_smoothed(scene, shot));
+    let references = scene.reference.iter().flat_map(|own| &own.photographs);
+    shots.count()
+        + references
+            .filter(|own| own.pixels.undershoots_zero())
+            .count()
 }
 
 /// Number of times that the noise has to be smoothed more widely than the edge of the reference, to
