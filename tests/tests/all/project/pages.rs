@@ -36,7 +36,7 @@ const PAGES: [&str; 17] = [
 /// the folders of the project that the commands use.
 fn run_page(page: &str, here: &Path) -> [usize; 2] {
     let text = std::fs::read_to_string(project().join(page)).unwrap();
-    let (mut ran, mut compared) = (0, 0);
+    let (mut ran, mut compared, mut other) = (0, 0, Vec::new());
     for block in blocks(&text) {
         let mut printed = String::new();
         for words in &block.commands {
@@ -55,10 +55,15 @@ fn run_page(page: &str, here: &Path) -> [usize; 2] {
             printed += &run.out;
         }
         if let Some(line) = missing(&block.printed, &printed) {
-            panic!("{page} shows a line that is not printed:\n{line}\n{printed}");
+            other.push(format!("{line}\n{printed}"));
         }
         compared += block.printed.len();
     }
+    let other = other.join("\n");
+    assert!(
+        other.is_empty(),
+        "{page} shows lines that are not printed:\n{other}"
+    );
     [ran, compared]
 }
 

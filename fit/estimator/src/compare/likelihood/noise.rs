@@ -27,17 +27,12 @@ impl Photograph<'_> {
     /// Returns the fall of chi-square by uneven light, see
     /// [`are_uneven`](crate::compare::are_uneven).
     pub fn settle(&mut self, curves: &Curves) -> f64 {
-        self.settle_evenly(curves);
-        let fall = self.unevenness(curves);
-        self.weigh(curves);
-        fall
-    }
-
-    /// Does the same where the light is known to be even.
-    pub fn settle_evenly(&mut self, curves: &Curves) {
         self.start = self.first_guess(curves);
         self.make_rounds(curves);
         self.weigh(curves);
+        let fall = self.unevenness(curves);
+        self.weigh(curves);
+        fall
     }
 
     /// Finds them in uneven light, after [`Photograph::settle`].

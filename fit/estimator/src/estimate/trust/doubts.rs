@@ -2,8 +2,9 @@
 //!
 //! An effect is a step of Gauss and Newton. The chosen candidate, at its optimum, is compared with
 //! the photographs in the scene as it would be if the number were another (see `perturbed`), and mu
-//! follows at the end of the step. The photographs keep the noise of the estimate. The step misses the optimum of the other scene by a part of the effect that is about as large as the
-//! effect itself, a few percent of it. Another cell has large effects, and is fitted to the end.
+//! follows at the end of the step. The photographs keep the noise of the estimate. The step misses
+//! the optimum of the other scene by a part of the effect that is about as large as the effect
+//! itself, a few percent of it. Another cell has large effects, and is fitted to the end.
 //! Effects that follow by arithmetic alone need no step:
 //!
 //! - mu is proportional to the exposure of the reference, and inversely proportional to those of

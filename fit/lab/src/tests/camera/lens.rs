@@ -262,3 +262,40 @@ fn references_share_their_light() {
         assert!((moved - 0.5).abs() < 0.05, "{loss:?}: {moved}");
     }
 }
+
+/// Sharpening takes at most a third of its strength of the step off the dark side: so much of the
+/// step is in the mean of 3 x 3 pixels beside a sharp edge. Here that is 0.16, less than a veil of
+/// 0.2 and far more than one of 0.002, below which the file cuts it off. Noise that is cut off all
+/// over a dark plateau is no sharpening.
+#[test]
+fn sharpening_that_is_cut_off_makes_a_fit_poor() {
+    let camera = |sharpening, veil, full_well_e| PlantedCamera {
+        sharpening,
+        veil,
+        full_well_e,
+        dark_ratio: 0.001,
+        source_level: 0.6,
+        ..camera(4e4)
+    };
+    let cases = [
+        (camera(0.8, 0.002, 4e4), 1),
+        (camera(0.8, 0.2, 4e4), 0),
+        (camera(0.0, 0.0, 1e3), 0),
+    ];
+    let mut tried = 0;
+    for (camera, changed) in cases {
+        let found = estimated(&planted(31, camera, false), &[], Kind::Edge);
+        let cut = found
+            .scene
+            .reference
+            .iter()
+            .flat_map(|own| &own.photographs);
+        let zeros = cut.filter(|own| own.pixels.cut.zero).count();
+        println!("{:?}", found.goodness);
+        assert_eq!(found.goodness.reduced, changed);
+        assert_eq!(found.goodness.verdict == Verdict::Poor, changed > 0);
+        assert!(zeros == 1 || tried == 1, "case {tried} has to be cut off");
+        tried += 1;
+    }
+    assert_eq!(tried, 3);
+}
