@@ -46,8 +46,9 @@ use edges::names::LobeShape;
 pub const CLEAR: f64 = 4.0;
 
 /// Ratio to the best first criterion above which a candidate is not refined. Its criterion in the
-/// report is then accurate to a thousandth, or to some percent if it is far behind. This is a convention that saves time. It loses a
-/// candidate that is so far behind by the MTFs and would win by the pixels.
+/// report is then accurate to a thousandth, or to some percent if it is far behind. This is a
+/// convention that saves time. It loses a candidate that is so far behind by the MTFs and would win
+/// by the pixels.
 pub(super) const HOPELESS: f64 = 3.0;
 
 /// Terms among which the photographs decide. Each combination is a candidate.
@@ -218,7 +219,7 @@ pub fn select<'a>(
     of.fetch_add(spare.len(), Ordering::Relaxed);
     tried.extend(spare);
     share_c(scene, &mut tried);
-    let fits = approached(scene, tried);
+    let fits = approached(scene, &tried);
     let scale = misfit(&fits);
     let nearest = fits
         .iter()

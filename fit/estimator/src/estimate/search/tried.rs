@@ -31,7 +31,7 @@ impl Tried {
 }
 
 /// Fits all candidates to the MTFs to a thousandth, but for those that are far behind.
-pub(super) fn approached(scene: &Scene, tried: Vec<Tried>) -> Vec<Optimum> {
+pub(super) fn approached(scene: &Scene, tried: &[Tried]) -> Vec<Optimum> {
     let scale = misfit(tried.iter().map(Tried::best));
     let criteria = tried.iter().map(|own| own.best().criterion(scale));
     let limit = FAR_BEHIND * criteria.fold(f64::INFINITY, f64::min);
