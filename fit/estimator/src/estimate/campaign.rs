@@ -19,7 +19,7 @@ use crate::estimate::search::layout::{Choice, Value};
 use crate::estimate::search::loss::{Kind, Loss};
 use crate::estimate::search::optimum::refined;
 use crate::estimate::search::select::{Candidates, Ranked, Selection, select};
-use crate::estimate::search::{azimuth, further};
+use crate::estimate::search::{azimuth, further, hints};
 use crate::estimate::trust::doubts::Doubted;
 use crate::estimate::trust::goodness::{Goodness, Verdict};
 use crate::estimate::trust::suspects::{Diagnosis, OtherTable, Search, Suspect};
@@ -289,7 +289,7 @@ pub fn undiagnosed(
         bounds,
         goodness,
         mut near,
-        hint,
+        hints,
         loss,
         sampled,
     } = fitted(&scene, table, &candidates, options, progress)?;
@@ -321,7 +321,7 @@ pub fn undiagnosed(
     };
     let trusted = doubted.unverified();
     warnings.extend(left_out);
-    warnings.extend(hint);
+    warnings.extend(hints);
     let diagnosis = match goodness.verdict {
         Verdict::Good => Diagnosis::NOT_NEEDED,
         Verdict::Strained | Verdict::Poor => Diagnosis::NOT_MADE,
@@ -355,8 +355,8 @@ struct SceneFit<'a> {
     bounds: Bounds,
     goodness: Goodness,
     near: (Choice, DVector<f64>),
-    /// Further blur that the photographs hint at, in a sentence.
-    hint: Option<String>,
+    /// Further blurs that the photographs hint at, in sentences.
+    hints: Vec<String>,
     /// Loss that was minimised, in closed form.
     loss: Loss<'a>,
     /// Scene with the samples of the estimate, if the model was evaluated by samples.
@@ -399,10 +399,14 @@ fn fitted<'a>(
         found = bounds(scene, &selection.loss, &selection.best, unit);
         found.extend(absent(scene, &selection, unit));
         let (loss, best) = (&selection.loss, &selection.best);
-        found.extend(further::hidden_spread(scene, loss, best, unit));
+        found.extend(hints::hidden_spread(scene, loss, best, unit));
     }
-    let hint = (kind == Kind::Edge && telling.scale <= UNBOUNDED)
-        .then(|| further::hinted(scene, &selection.loss, &selection.best, unit));
+    let mut hints = Vec::new();
+    if kind == Kind::Edge && telling.scale <= UNBOUNDED {
+        let (loss, best) = (&selection.loss, &selection.best);
+        hints.extend(hints::hinted(scene, loss, best, unit));
+        hints.extend(hints::spots(scene, table, loss, best, unit));
+    }
     let Selection {
         mut loss,
         best,
@@ -433,17 +437,16 @@ fn fitted<'a>(
         (best, telling, None)
     };
     best.raise(goodness.scales());
-    let hint = hint.flatten().map(|hint| {
+    for hint in &hints {
         best.add_scatter(&hint.scatter);
-        hint.said
-    });
+    }
     Ok(SceneFit {
         best,
         compared,
         bounds: found,
         goodness,
         near,
-        hint,
+        hints: hints.into_iter().filter_map(|hint| hint.said).collect(),
         loss,
         sampled,
     })

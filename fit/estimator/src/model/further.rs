@@ -30,7 +30,8 @@
 //! on the three errors. Where they are unknown, the spots are taken as a ring with the same variance
 //! V along each axis: its OTF is J_0(2 pi f sqrt(2 V)). For three equal errors at normal incidence
 //! the spots are a regular hexagon, whose OTF is that of the ring to the fifth order of f. The ring
-//! is tried where nothing else describes the photographs, to name the cause.
+//! is tried where a Gaussian was found, for its errors, and where nothing else describes the
+//! photographs, to name the cause.
 
 use std::f64::consts::PI;
 

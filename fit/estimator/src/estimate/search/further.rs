@@ -11,12 +11,6 @@
 //! errors, which contain that of the lens by every loss. An angular spread has to be a spread: its
 //! variance is positive.
 //!
-//! A blur that differs from 0 by [`HINT`] errors, and not by what the criterion asks for, is not
-//! taken. It may still have moved c by several stated errors, because c and a blur look alike: a step
-//! along the blur tells by how much. Then the errors include this step, and a warning names it. The
-//! estimate stays, so photographs without a further blur lose nothing but the stated errors of one
-//! campaign in some hundred.
-//!
 //! At one distance and one incidence both blurs change the photographs alike, and no photograph
 //! tells them apart. Then the own blur is taken, and a warning says so (see `verdict`).
 
@@ -24,22 +18,17 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::estimate::scene::Scene;
-use crate::estimate::search::bound::{Bound, CONFIDENCE, rise_below};
-use crate::estimate::search::fitted::{Estimate, estimate};
+use crate::estimate::search::fitted::Estimate;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::{Optimum, refined, rough};
 use crate::estimate::search::score::{Score, possible};
 use crate::estimate::search::select::{CLEAR, Candidates, HOPELESS, Ranked, Selection, with_mu};
 use crate::model::Further;
-use edges::names::{ParameterId, ParameterKind};
 use edges::numerics::{Solution, Stop};
 
 /// Standard errors by which a variance has to differ from 0.
 const SURE: f64 = 3.0;
-
-/// Standard errors from which on a blur that is not taken is included in the errors.
-const HINT: f64 = 3.0;
 
 /// Share of the fall that the criterion asks for, from which on the chosen candidate is fitted with
 /// a further blur. The step of Gauss and Newton misses a part of the fall.
@@ -52,9 +41,9 @@ pub(super) const FAR: f64 = 2.0;
 /// Share of a large misfit that a blur has to explain, as a suspect has to.
 const EXPLAINED: f64 = 0.5;
 
-/// Fits a candidate with further blurs. `at` holds the parameters without them, and those of the
-/// lens if the loss has them.
-fn fitted(
+/// Fits a candidate with further blurs. `at` holds the parameters without those of `variances`, and
+/// those of the lens if the loss has them.
+pub(super) fn fitted(
     scene: &Scene,
     loss: &Loss,
     choice: Choice,
@@ -111,7 +100,7 @@ fn opened(scene: &Scene, choice: Choice) -> impl Iterator<Item = Choice> + use<>
 }
 
 /// Sets of further blurs that are tried, in the order of preference among equals.
-const TRIED: [Further; 3] = [
+pub(super) const TRIED: [Further; 3] = [
     Further {
         own_blur: true,
         ..Further::NONE
@@ -324,109 +313,4 @@ fn is_sure(fit: &Estimate) -> bool {
     let sure = further.map(|own| own.value.abs() > 2.0 * SURE * own.standard_error);
     let spreads = fit.angular_spread_mrad.is_none_or(|own| own.value > 0.0);
     sure.fold(spreads, |all, own| all && own)
-}
-
-/// Blur that the photographs hint at, and that the criterion does not ask for.
-pub(crate) struct Hint {
-    /// Covariance that it adds to the coordinates of the estimate.
-    pub scatter: DMatrix<f64>,
-    /// What it is, in a sentence.
-    pub said: String,
-}
-
-/// Looks for a blur that the chosen candidate does not have and that the pixels hint at. `unit` is
-/// the factor by which a misfit raises the sum of squares.
-pub(crate) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> Option<Hint> {
-    let Loss::Edge(_) = loss else { return None };
-    let at = &fit.solution.parameters;
-    let score = Score::new(scene, loss, fit.choice, at)?;
-    let single = TRIED.into_iter().take(2);
-    let hints = single.filter_map(|further| {
-        let (fall, step) = score.step(further)?;
-        let [variance, error] = step[0];
-        let can_be = !further.angular_spread || variance > 0.0;
-        (can_be && fall > HINT.powi(2) * unit).then_some((fall, further, variance, error))
-    });
-    let (_, further, variance, error) = hints.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let choice = Choice {
-        further: Further {
-            own_blur: further.own_blur || fit.choice.further.own_blur,
-            angular_spread: further.angular_spread || fit.choice.further.angular_spread,
-            is_ring: fit.choice.further.is_ring,
-        },
-        ..fit.choice
-    };
-    let layout = Layout::new(choice, scene.groups.len());
-    let added = if further.own_blur {
-        layout.own_blur()?
-    } else {
-        layout.angular_spread()?
-    };
-    let column = score.columns(further)?[0];
-    let moved = at + variance * score.response.column(column);
-    let stepped = Optimum {
-        choice,
-        solution: Solution {
-            parameters: moved.insert_row(added, variance),
-            ..fit.solution.clone()
-        },
-        observations: loss.observations(),
-    };
-    let mut other = estimate(scene, loss, stepped).coordinates();
-    other.remove(added);
-    let pairs = other.iter().zip(fit.coordinates());
-    let change = DVector::from_iterator(other.len(), pairs.map(|(other, own)| other - own));
-    let deviation = variance.abs().sqrt();
-    let (error, sign) = (0.5 * unit.sqrt() * error / deviation, variance.signum());
-    let what = if further.own_blur {
-        let pitch_mm = scene.optics.camera.pitch_mm;
-        let px = sign * deviation / pitch_mm;
-        format!(
-            "a further blur of the mid-air photographs by {px:.2} +- {:.2} px (negative: the \
-            reference is less sharp)",
-            error / pitch_mm
-        )
-    } else {
-        format!("an angular spread of {deviation:.3} +- {error:.3} mrad")
-    };
-    let shift = fit.c_mm.map_or(String::new(), |_| {
-        format!(" by {:+.1} %", 100.0 * change[0].exp_m1())
-    });
-    Some(Hint {
-        scatter: &change * change.transpose(),
-        said: format!(
-            "the photographs hint at {what}, which may be noise. It would change c{shift}: \
-            the estimate leaves it out, and the standard errors include it. More photographs, at \
-            two distances, would tell"
-        ),
-    })
-    .filter(|hint| hint.scatter.iter().all(|v| v.is_finite()))
-}
-
-/// Bounds an angular spread that the chosen candidate does not have, by the pixels.
-///
-/// The sum of squares is a parabola of the variance. One evaluation gives its least place and its
-/// width. The level of the bound is conditional on the choice, see `bound`. `unit` is the factor by
-/// which a misfit raises the sum of squares.
-pub(crate) fn hidden_spread(
-    scene: &Scene,
-    loss: &Loss,
-    fit: &Estimate,
-    unit: f64,
-) -> Option<(ParameterId, Bound)> {
-    let Loss::Edge(_) = loss else { return None };
-    let score = Score::new(scene, loss, fit.choice, &fit.solution.parameters)?;
-    let (_, step) = score.step(TRIED[1])?;
-    let [variance, error] = step[0];
-    // A spread below 0 is none.
-    let variance = variance.max(0.0);
-    let found = variance / error / unit.sqrt();
-    let threshold = (loss.observations() as f64).ln() + CLEAR;
-    let rise = rise_below(found, threshold.sqrt());
-    let bound = Bound {
-        at_least: None,
-        at_most: Some((variance + error * (rise * unit).sqrt()).sqrt()),
-        confidence: CONFIDENCE,
-    };
-    Some((ParameterKind::AngularSpread.shared(), bound))
 }

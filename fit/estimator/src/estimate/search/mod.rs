@@ -9,6 +9,7 @@ pub(crate) mod covariance;
 pub mod fitted;
 pub mod forward;
 pub(crate) mod further;
+pub(crate) mod hints;
 pub(crate) mod joint;
 pub mod layout;
 pub mod loss;

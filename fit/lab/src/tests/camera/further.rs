@@ -240,6 +240,41 @@ fn dihedral_errors_of_all_cells_are_named() {
     cases.into_par_iter().for_each(run);
 }
 
+/// Smaller errors that all cells share look like an angular spread. Where the pixels prefer the ring,
+/// its size is said, and the errors include what it would change: here up to 3 errors of a. Errors
+/// from cell to cell exclude the ring, or would change little by it, and a keeps its error to a tenth.
+#[test]
+#[ignore = "seconds: `make test-full` runs it"]
+fn spots_that_look_like_a_spread_are_in_the_errors() {
+    let cases = [
+        (Effect::Dihedral(0.1), false),
+        (Effect::Dihedral(0.2), false),
+        (Effect::Common(0.05), false),
+        (Effect::Common(0.13), true),
+        (Effect::Common(0.15), true),
+    ];
+    let run = |(effect, preferred): (Effect, bool)| {
+        let Outcome { estimated, .. } = fitted(effect, 5, &[150.0, 300.0], 4e4);
+        let best = &estimated.best;
+        let mut warnings = estimated.warnings.iter();
+        let said = warnings.any(|own| own.contains("six spots"));
+        let off = error_of_c(best).expect("there is a shift")[1];
+        let a = best.spread[0];
+        let a_off = (a.value - TRUTH[1]) / a.standard_error;
+        println!("{effect:?}: {said}, c off by {off:.1} errors, a {a:?} by {a_off:.1}");
+        assert!(best.angular_spread_mrad.is_some(), "{effect:?}");
+        assert_eq!(said, preferred, "{effect:?}");
+        assert!(off.abs() < 4.0 && a_off.abs() < 4.0, "{effect:?}");
+        a.standard_error
+    };
+    let errors: Vec<f64> = cases.into_par_iter().map(run).collect();
+    assert_eq!(errors.len(), 5);
+    for k in [1, 2] {
+        assert!((errors[k] / errors[0] - 1.0).abs() < 0.1, "{errors:?}");
+    }
+    assert!(errors[4] > 2.0 * errors[0], "{errors:?}");
+}
+
 /// Photographs of an ideal sheet through one lens get no further blur. The lens is taken on trust,
 /// and the angular spread has a bound.
 ///

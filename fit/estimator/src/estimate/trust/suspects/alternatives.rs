@@ -5,10 +5,11 @@ use rayon::prelude::*;
 use crate::estimate::progress::Progress;
 use crate::estimate::scene::perturbed::{Conditions, OtherIndex};
 use crate::estimate::scene::{Aerial, Scene};
+use crate::estimate::search::hints;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::select::CLEAR;
 use crate::estimate::trust::suspects::{Alternative, Otherwise, SURE, Search};
-use crate::model::{Further, wave};
+use crate::model::wave;
 use edges::names::{Kernel, LobeShape, Spectrum};
 use edges::photographs::photo::transfer::Transfer;
 
@@ -397,34 +398,11 @@ impl Search<'_> {
     /// Returns the spots of dihedral errors that all cells share, as a ring, if the table is one of
     /// ideal cubes.
     fn of_common_errors(&self) -> Option<Alternative> {
-        let exact = self
-            .table
-            .exact
-            .iter()
-            .flat_map(|exact| exact.paths.iter().flatten());
-        let is_ideal = |path: &tables::Path| path.deviation == [0.0; 2];
-        if !exact.into_iter().all(is_ideal) || self.fit.choice.kernel.has_waves() {
-            return None;
-        }
-        let choice = Choice {
-            further: Further {
-                angular_spread: true,
-                is_ring: true,
-                ..self.fit.choice.further
-            },
-            ..self.fit.choice
-        };
+        let choice = hints::as_ring(self.table, self.fit.choice)?;
         let fit = self.at_least_anew(self.scene, &[choice])?.fit;
         let layout = Layout::new(choice, self.scene.groups.len());
         let variance_mrad2 = fit.solution.parameters[layout.angular_spread()?];
-        // The root mean square of three errors e is sigma / (2 m), see `crate::model::further`.
-        let index = self.table.provenance.refractive_index;
-        let error_mrad = variance_mrad2.max(0.0).sqrt() / (2.0 * index);
-        let what = format!(
-            "the dihedral angles of all cubes are off by about {error_mrad:.3} mrad (root mean \
-            square): bake tables with such errors (bake design --dihedral-error-mrad) and give them \
-            as further --table"
-        );
+        let what = hints::common_errors(self.table, variance_mrad2);
         Some(Alternative {
             choices: vec![choice],
             cost: CLEAR,
