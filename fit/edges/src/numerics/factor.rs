@@ -223,6 +223,37 @@ mod tests {
         }
     }
 
+    /// Every kind of processor gives the bits of single numbers, whatever the number of vectors.
+    #[test]
+    fn vectors_give_the_bits_of_single_numbers() {
+        let mut stream = crate::numerics::Stream(17);
+        let mut cases = 0;
+        for size in [1, 3, 8, 9, 16, 17, 31] {
+            let mut products = Products::new(size);
+            let rows: Vec<Vec<f64>> = (0..7)
+                .map(|_| (0..size).map(|_| stream.normal()).collect())
+                .collect();
+            rows.iter().for_each(|row| products.add(row));
+            let mut singly = products.sums.clone();
+            Flush {
+                width: products.width,
+                sums: &mut singly,
+                waiting: &products.waiting,
+            }
+            .with_simd(pulp::Scalar);
+            products.flush();
+            for j in 0..size {
+                for i in 0..=j {
+                    let [own, single] =
+                        [&products.sums, &singly].map(|of| of[j * products.width + i]);
+                    assert_eq!(own.to_bits(), single.to_bits(), "{size}: {i} {j}");
+                    cases += 1;
+                }
+            }
+        }
+        assert_eq!(cases, 873);
+    }
+
     /// Checks the products of small integers, which are exact, for every number of rows that is
     /// left over from groups of four.
     #[test]

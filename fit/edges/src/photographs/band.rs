@@ -42,6 +42,9 @@ pub(crate) fn about_the_edge(photo: &Photo, region: Roi) -> Option<Roi> {
         return None;
     }
     let side = ((width * height) as f64 / BLOCKS).sqrt().ceil() as usize;
+    if side > width.min(height) {
+        return None;
+    }
     let mut blocks = Window::of(photo, Some([x, y, width, height]))?.reduced(side);
     defects::exclude_gross(&mut blocks);
     let (line, _) = edge::straight(&blocks).ok()?;

@@ -17,7 +17,7 @@ use crate::photographs::profile::{BIN_PX, Profile, smoothed};
 use crate::photographs::window::Window;
 
 /// Number of pixels above which a window is first searched in a copy of lower resolution, which has
-/// about a quarter of this number.
+/// at most a quarter of this number.
 const LARGE: usize = 40_000;
 
 /// Distance of the half level from the central bin below which a profile is centred, pixels. The
@@ -37,6 +37,9 @@ pub(crate) fn straight(window: &Window) -> Result<(EdgeLine, Profile), Fault> {
     let mut start = None;
     if pixels > LARGE {
         let side = (4.0 * pixels as f64 / LARGE as f64).sqrt().ceil() as usize;
+        if side > window.width().min(window.height()) {
+            return Err(Fault::TooSmall);
+        }
         match straight(&window.reduced(side)) {
             Ok((small, _)) => {
                 start = Some(EdgeLine {
@@ -97,6 +100,11 @@ pub(crate) fn bend(
         }
     }
     profile = centre(window, &mut line, profile, CENTRED_PX)?;
+    if line.bend.is_some()
+        && let Some([_, error]) = direction(window, &line, &profile)
+    {
+        line.normal_standard_error_rad = error;
+    }
     Ok((line, profile))
 }
 
@@ -220,10 +228,22 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
     Ok((crossing as f64 + part - profile.reach as f64) * BIN_PX)
 }
 
-/// Makes one Gauss-Newton step of the angle and returns it, radians. The distances of the pixels
-/// from the common profile are regressed on its slope times the position along the edge. A fall of
-/// light along the edge, which looks like a turn on the steep part, is known from the plateaus.
+/// Makes one Gauss-Newton step of the angle and returns it, radians.
 fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
+    let Some([step, error]) = direction(window, line, profile) else {
+        return 0.0;
+    };
+    let step = step.clamp(-0.1, 0.1);
+    line.turn(step);
+    line.normal_standard_error_rad = error;
+    step
+}
+
+/// Returns the Gauss-Newton step of the angle and its standard error, radians. The distances of the
+/// pixels from the common profile are regressed on its slope times the position along the edge. A
+/// fall of light along the edge, which looks like a turn on the steep part, is known from the
+/// plateaus.
+fn direction(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<[f64; 2]> {
     let (mut products, mut n) = (Products::new(4), 0.0_f64);
     Steepness::new(profile).all(window, line).for_each(|told| {
         let (t, slope) = (told.along_px, told.slope);
@@ -232,14 +252,6 @@ fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
     });
     let factor = factor::of(products.sum());
     let spread = factor[(2, 2)];
-    if spread.is_nan() || spread <= 0.0 {
-        return 0.0;
-    }
-    let step = (factor[(2, 3)] / spread).clamp(-0.1, 0.1);
-    line.normal_rad += step;
-    if line.normal_rad.abs() > std::f64::consts::PI {
-        line.normal_rad -= std::f64::consts::TAU * line.normal_rad.signum();
-    }
-    line.normal_standard_error_rad = factor[(3, 3)] * (window.excess() / n).sqrt() / spread;
-    step
+    let error = factor[(3, 3)] * (window.excess() / n).sqrt() / spread;
+    (spread > 0.0).then(|| [factor[(2, 3)] / spread, error])
 }

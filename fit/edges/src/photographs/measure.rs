@@ -285,6 +285,7 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
         if taken_out > 0 {
             off += taken_out;
             (line, profile) = edge::refine(&window, line)?;
+            waves = shape::waves(&window, &line, &profile);
         }
         let share = off as f64 / pixels as f64;
         if share > MOST_OFF {

@@ -410,7 +410,7 @@ fn what_cannot_be_repaired_is_refused() {
         })
     };
     type Is = fn(&Fault) -> bool;
-    let cases: [(&str, Photo, Is, &str); 10] = [
+    let cases: [(&str, Photo, Is, &str); 11] = [
         (
             "highlights at full scale",
             clip(degraded(5.0, SIGMA_PX, 1, |_, _, v| 1.5 * v), 0.0, 1.0),
@@ -480,6 +480,12 @@ fn what_cannot_be_repaired_is_refused() {
             "larger roi",
         ),
         (
+            "narrow",
+            photo(2, 20_001, |_, y| 0.1 + 0.8 * rise(y - 10_000.0, 0.8)),
+            |f| matches!(f, Fault::TooSmall),
+            "larger roi",
+        ),
+        (
             "a bar",
             degraded(5.0, SIGMA_PX, 1, |x, _, _| {
                 if (100.0..130.0).contains(&x) {
@@ -506,7 +512,7 @@ fn what_cannot_be_repaired_is_refused() {
         assert!(is(&fault), "{name}: {fault:?}");
         assert!(fault.to_string().contains(remedy), "{name}: {fault}");
     }
-    assert_eq!(count, 10);
+    assert_eq!(count, 11);
 }
 
 /// An accepted doubled edge is measured as it is, with a warning. Its MTF is that of the lens times

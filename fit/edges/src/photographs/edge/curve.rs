@@ -179,7 +179,7 @@ pub(crate) fn step(window: &Window, line: &mut EdgeLine, profile: &Profile) -> O
         *line = straight;
         return None;
     }
-    line.normal_rad += (found[CURVE + 1] / bend.half_px).clamp(-0.1, 0.1);
+    line.turn((found[CURVE + 1] / bend.half_px).clamp(-0.1, 0.1));
     Some(farthest)
 }
 

@@ -1,5 +1,7 @@
 //! An edge in a window: its direction, its place, and the smooth curve that it follows.
 
+use std::f64::consts::{PI, TAU};
+
 /// Largest order of the polynomial that an edge may follow. A straight line has order 1.
 pub const ORDERS: usize = 9;
 
@@ -55,6 +57,14 @@ struct Powers {
 }
 
 impl EdgeLine {
+    /// Turns the normal by less than a turn, radians.
+    pub(crate) fn turn(&mut self, rad: f64) {
+        self.normal_rad += rad;
+        if self.normal_rad.abs() > PI {
+            self.normal_rad -= TAU * self.normal_rad.signum();
+        }
+    }
+
     /// Returns whether the edge is tilted by 1 to 44 degrees from rows and columns.
     pub fn is_slanted(&self) -> bool {
         (1.0..=44.0).contains(&self.tilt_deg())
@@ -114,9 +124,7 @@ impl Bend {
             },
         )
     }
-}
 
-impl Bend {
     /// Returns the tangents of the orders 2, 3, ..., at a place along the line, for a coefficient of
     /// 1 pixel each: the height at which the tangent meets the middle of the line, pixels, and its
     /// slope. Those of orders that are not used are 0.
