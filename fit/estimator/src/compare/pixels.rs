@@ -133,8 +133,13 @@ impl Pixels {
             let sums = bins.iter().map(of);
             sums.fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]])
         };
-        let [count, sum] = light(&dark[..dark.len() / 2]);
-        let plateau = sum / count.max(1.0);
+        // Something bright far from the edge is in one of these quarters.
+        let quarters = dark[..dark.len() / 2].chunks(dark.len().div_ceil(4).max(1));
+        let levels = quarters.map(|bins| {
+            let [count, sum] = light(bins);
+            sum / count.max(1.0)
+        });
+        let plateau = levels.reduce(f64::min).unwrap_or(0.0);
         let mut near = dark[dark.len() / 2..].windows(TOGETHER).map(light);
         self.cut.zero && near.any(|[count, sum]| count >= LEAST && sum < SHARE * plateau * count)
     }

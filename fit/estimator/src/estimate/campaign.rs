@@ -395,17 +395,17 @@ fn fitted<'a>(
     }
     let unit = telling.scale.powi(2);
     let mut found = Bounds::new();
+    let mut hints = Vec::new();
     if telling.scale <= UNBOUNDED {
         found = bounds(scene, &selection.loss, &selection.best, unit);
         found.extend(absent(scene, &selection, unit));
-        let (loss, best) = (&selection.loss, &selection.best);
-        found.extend(hints::hidden_spread(scene, loss, best, unit));
-    }
-    let mut hints = Vec::new();
-    if kind == Kind::Edge && telling.scale <= UNBOUNDED {
-        let (loss, best) = (&selection.loss, &selection.best);
-        hints.extend(hints::hinted(scene, loss, best, unit));
-        hints.extend(hints::spots(scene, table, loss, best, unit));
+        if kind == Kind::Edge {
+            let (loss, best) = (&selection.loss, &selection.best);
+            let (bound, hint) = hints::hidden(scene, loss, best, unit);
+            found.extend(bound);
+            hints.extend(hint);
+            hints.extend(hints::spots(scene, table, loss, best, unit));
+        }
     }
     let Selection {
         mut loss,

@@ -203,7 +203,7 @@ pub fn page(explorer: &Explorer<'_>, progress: RenderProgress<'_>) -> Result<Pag
     Ok(Page {
         html,
         misfit,
-        is_of_colours: misfit.larger() > found.misfit.larger(),
+        is_of_colours: misfit.pixel > found.misfit.pixel,
         places,
         directions: found.grid.energy.len(),
     })

@@ -108,11 +108,24 @@ pub(crate) fn spots(
     Hint::of(fit, &estimate(scene, loss, ring).coordinates(), said)
 }
 
-/// Looks for a blur that the chosen candidate does not have and that the pixels hint at. `unit` is
-/// the factor by which a misfit raises the sum of squares.
-pub(crate) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> Option<Hint> {
+/// Looks for blurs that the pixels do not ask for: returns the bound of a spread, and a blur that they
+/// hint at. `unit` is the factor by which a misfit raises the sum of squares.
+pub(crate) fn hidden(
+    scene: &Scene,
+    loss: &Loss,
+    fit: &Estimate,
+    unit: f64,
+) -> (Option<(ParameterId, Bound)>, Option<Hint>) {
+    let score = Score::new(scene, loss, fit.choice, &fit.solution.parameters);
+    let score = score.as_ref();
+    let bound = score.and_then(|score| bound(loss, score, unit));
+    let hint = score.and_then(|score| hint(scene, loss, fit, score, unit));
+    (bound, hint)
+}
+
+/// Returns a blur that the chosen candidate does not have and that the pixels hint at.
+fn hint(scene: &Scene, loss: &Loss, fit: &Estimate, score: &Score, unit: f64) -> Option<Hint> {
     let at = &fit.solution.parameters;
-    let score = Score::new(scene, loss, fit.choice, at)?;
     let single = TRIED.into_iter().take(2);
     let hints = single.filter_map(|further| {
         let (fall, step) = score.step(further)?;
@@ -162,12 +175,14 @@ pub(crate) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> O
         format!("an angular spread of {deviation:.3} +- {error:.3} mrad")
     };
     let shift = fit.c_mm.map_or(String::new(), |_| {
-        format!(" by {:+.1} %", 100.0 * c_changes.exp_m1())
+        format!(
+            "It would change c by {:+.1} %. ",
+            100.0 * c_changes.exp_m1()
+        )
     });
     let said = format!(
-        "the photographs hint at {what}, which may be noise. It would change c{shift}: the estimate \
-        leaves it out, and the standard errors include it. More photographs, at two distances, \
-        would tell"
+        "the photographs hint at {what}, which may be noise. {shift}The estimate leaves it out, and \
+        the standard errors include it. More photographs, at two distances, would tell"
     );
     Hint::of(fit, &other, Some(said))
 }
@@ -175,16 +190,8 @@ pub(crate) fn hinted(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> O
 /// Bounds an angular spread that the chosen candidate does not have, by the pixels.
 ///
 /// The sum of squares is a parabola of the variance. One evaluation gives its least place and its
-/// width. The level of the bound is conditional on the choice, see `bound`. `unit` is the factor by
-/// which a misfit raises the sum of squares.
-pub(crate) fn hidden_spread(
-    scene: &Scene,
-    loss: &Loss,
-    fit: &Estimate,
-    unit: f64,
-) -> Option<(ParameterId, Bound)> {
-    let Loss::Edge(_) = loss else { return None };
-    let score = Score::new(scene, loss, fit.choice, &fit.solution.parameters)?;
+/// width. The level of the bound is conditional on the choice, see `search::bound`.
+fn bound(loss: &Loss, score: &Score, unit: f64) -> Option<(ParameterId, Bound)> {
     let (_, step) = score.step(TRIED[1])?;
     let [variance, error] = step[0];
     // A spread below 0 is none.

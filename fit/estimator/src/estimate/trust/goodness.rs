@@ -35,7 +35,7 @@ use edges::numerics::chance;
 
 /// Probability below which noise does not explain a misfit.
 ///
-/// Five tests are made, so noise alone is called a misfit in at most 5 campaigns of 1,000.
+/// Six tests are made, so noise alone is called a misfit in at most 6 campaigns of 1,000.
 const SIGNIFICANT: f64 = 1e-3;
 
 /// Change of a parameter, in standard errors, from which a misfit matters.

@@ -243,14 +243,14 @@ fn misfit(
     }
 }
 
-/// Returns the warning about a camera that reduced the noise beside the edges.
+/// Returns the warning about a camera that changed the edges.
 fn reduced_noise(goodness: &Goodness) -> String {
     format!(
         "the fit is {}: the camera changed the edges of {} photographs (their noise is reduced \
         beside the edge, or smoothed more widely than the reference's edge, or sharpening made the \
         reference darker than 0 beside the edge; see their warnings), which can move c, a and mu by \
-        several percent at no misfit. The standard errors of the blur are multiplied by {:.2}, those of mu by {:.2}, by \
-        the noise on the edge. Photograph with noise reduction, sharpening and lens corrections \
+        several percent at no misfit. The standard errors of the blur are multiplied by {:.2}, \
+        those of mu by {:.2}. Photograph with noise reduction, sharpening and lens corrections \
         off, and save raw or 16 bits",
         goodness.verdict.name(),
         goodness.reduced,
