@@ -144,6 +144,17 @@ impl Pixels {
         self.cut.zero && near.any(|[count, sum]| count >= LEAST && sum < SHARE * plateau * count)
     }
 
+    /// Returns the mean levels of the outer twelfth of the bins, on the dark and on the bright side.
+    pub(crate) fn plateaus(&self) -> [f64; 2] {
+        let ends = (self.bins.len() / 12).max(4).min(self.bins.len());
+        let level = |bins: &[Bin]| {
+            let count: f64 = bins.iter().map(|bin| bin.count).sum();
+            bins.iter().map(|bin| bin.count * bin.mean).sum::<f64>() / count
+        };
+        let (dark, bright) = (&self.bins[..ends], &self.bins[self.bins.len() - ends..]);
+        [level(dark), level(bright)]
+    }
+
     /// Returns the number of bins from the line to the farther end.
     pub fn reach(&self) -> usize {
         let ends = [self.bins.first(), self.bins.last()];

@@ -104,8 +104,13 @@ impl Camera {
 impl Along<'_> {
     /// Evaluates the OTF at `frequency` (1/mm).
     pub fn otf(&self, frequency: f64) -> f64 {
+        self.pixel(frequency) * self.lens(frequency)
+    }
+
+    /// Evaluates the OTF of the lens alone, without the square of the pixel.
+    pub(crate) fn lens(&self, frequency: f64) -> f64 {
         let [first, second] = self.parts(frequency);
-        self.pixel(frequency) * (first + second)
+        first + second
     }
 
     /// Evaluates the OTF and writes its derivatives by the numbers of the lenses to `slopes`, in

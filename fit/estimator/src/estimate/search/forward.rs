@@ -121,7 +121,7 @@ impl Renders<'_> {
     ) -> Result<(Estimate, Scene), tables::Error> {
         let drawn = self.drawn(start.choice, randomisation)?;
         let loss = Loss::of_mtfs(&drawn, self.weights);
-        let best = refined(&drawn, &loss, start);
+        let best = refined_to(CONVERGED, &drawn, &loss, start);
         Ok((estimate(&drawn, &loss, best), drawn))
     }
 

@@ -9,10 +9,12 @@
 //! evaluation for each candidate. A further blur is kept if the criterion falls by more than
 //! [`CLEAR`] below that of all candidates without one, and if it differs from 0 by [`SURE`] stated
 //! errors, which contain that of the lens by every loss. An angular spread has to be a spread: its
-//! variance is positive.
+//! variance is positive. An own blur that sharpens has to leave an OTF of the lens below 1.
 //!
 //! At one distance and one incidence both blurs change the photographs alike, and no photograph
 //! tells them apart. Then the own blur is taken, and a warning says so (see `verdict`).
+
+use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -187,7 +189,8 @@ pub(crate) fn added<'a>(
     let estimates = order
         .into_iter()
         .map(|i| with_mu(scene, loss, open, fits[i].clone()));
-    let Some(best) = estimates.into_iter().find(is_sure) else {
+    let is_taken = |fit: &Estimate| is_sure(fit) && is_possible(scene, fit);
+    let Some(best) = estimates.into_iter().find(is_taken) else {
         return selection;
     };
     let mut compared = selection.compared;
@@ -303,6 +306,22 @@ fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) 
 /// explain half.
 pub(super) fn explains(before: f64, left: f64) -> bool {
     before <= FAR || left - 1.0 <= EXPLAINED * (before - 1.0)
+}
+
+/// Returns whether a lens can be as much sharper than that of the reference as an estimate says, or
+/// less by one of its errors: no lens has an OTF above 1. What asks for more is no lens, but
+/// spots of light, a tone curve, or sharpening of the mid-air photographs.
+fn is_possible(scene: &Scene, fit: &Estimate) -> bool {
+    const PER_PX: f64 = 0.25;
+    let Some(own) = fit.own_blur_px.filter(|own| own.value < 0.0) else {
+        return true;
+    };
+    let variance = own.value.abs() * (own.value.abs() - 2.0 * own.standard_error);
+    let gain = (2.0 * (PI * PER_PX).powi(2) * variance).exp();
+    let camera = &scene.optics.camera;
+    let lens = |normal_rad: f64| camera.along(normal_rad).lens(PER_PX / camera.pitch_mm);
+    let mut shots = scene.shots.iter();
+    shots.all(|shot| gain * lens(shot.pixels.line.normal_rad) <= 1.0)
 }
 
 /// Returns whether each further blur of an estimate differs from 0 by [`SURE`] standard errors, and

@@ -15,7 +15,11 @@
 //!   are not. Measured in units of s mm nothing changes but R and the wavelength lambda, which
 //!   become R / s and lambda / s. So c is that of a fit at R / s, times s, and a is divided by s.
 //!   A = a R keeps its value at R / s. The waves depend on lambda R alone: their fit is at R / s^2.
+//! - If values v fall short of the light, which is v (1 + k v / E), a step between the plateaus B and
+//!   D is larger by k (B + D) / E of itself, and mu by this less that of the reference. E is the
+//!   brightest plateau of all. What the curve does to c and a is not computed.
 
+use crate::compare::Pixels;
 use crate::estimate::scene::perturbed::{Conditions, OtherIndex, sends_straight_back};
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::search::bound::Bounds;
@@ -25,6 +29,7 @@ use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::{Optimum, optimum, refined};
 use crate::estimate::trust::suspects::OtherTable;
 use crate::estimate::trust::unverified::{Effect, Unverified, UnverifiedInput};
+use crate::model::Further;
 use edges::names::{Kernel, ParameterKind};
 use edges::numerics::{Solution, Stop};
 use edges::photographs::Campaign;
@@ -39,6 +44,9 @@ const ONE_PERCENT: &str = "1 %";
 /// Step of the blur of the mid-air photographs that the reference does not have: standard deviation,
 /// pixels. Another focus by a tenth of a millimetre in the camera causes as much.
 const OWN_BLUR_PX: f64 = 0.3;
+
+/// Step of the dihedral angles, mrad: 4 arcseconds.
+const DIHEDRAL_MRAD: f64 = 0.02;
 
 /// Estimate whose inputs are doubted.
 pub struct Doubted<'a> {
@@ -92,8 +100,28 @@ impl Doubted<'_> {
         // An own blur that was fitted is not taken on trust, nor is a lens without a reference.
         if self.scene.reference.is_some() && self.best.own_blur_px.is_none() {
             let step = format!("{OWN_BLUR_PX} px of further blur");
-            let changes = doubts.blurred(OWN_BLUR_PX);
+            let further = Further {
+                own_blur: true,
+                ..Further::NONE
+            };
+            let blur_mm = OWN_BLUR_PX * self.scene.optics.camera.pitch_mm;
+            let changes = doubts.blurred(further, blur_mm);
             all.push(doubts.entry(UnverifiedInput::Lens, None, &step, changes));
+        }
+        // The facets of a baseline spread the light as dihedral errors do.
+        if self.best.angular_spread_mrad.is_none() && !self.best.choice.kernel.is_baseline() {
+            let further = Further {
+                angular_spread: true,
+                ..Further::NONE
+            };
+            // Independent errors e of all angles are a spread of 2 m e, see `crate::model::further`.
+            let spread_mrad = 2.0 * self.table.provenance.refractive_index * DIHEDRAL_MRAD;
+            let step = format!("{DIHEDRAL_MRAD} mrad");
+            let changes = doubts.blurred(further, spread_mrad);
+            all.push(doubts.entry(UnverifiedInput::DihedralAngles, None, &step, changes));
+        }
+        if let Some(changes) = doubts.curved() {
+            all.push(doubts.entry(UnverifiedInput::Linearity, None, ONE_PERCENT, Some(changes)));
         }
         all.extend(doubts.cells());
         all
@@ -337,23 +365,61 @@ impl Doubts<'_> {
         )
     }
 
-    /// Returns the changes if the mid-air photographs had this much blur that the reference does not
-    /// have: standard deviation, pixels.
-    fn blurred(&self, by_px: f64) -> Option<Changes> {
+    /// Returns the changes if the photographs had one further blur of this standard deviation: mm of
+    /// an own blur, mrad of an angular spread.
+    fn blurred(&self, further: Further, deviation: f64) -> Option<Changes> {
         let Doubted {
             scene, loss, best, ..
         } = *self.doubted;
         let base = self.base?;
         let mut from = best.optimum();
-        from.choice.further.own_blur = true;
-        let column = Layout::new(from.choice, scene.groups.len()).own_blur()?;
-        let variance_mm2 = (by_px * scene.optics.camera.pitch_mm).powi(2);
-        from.solution.parameters = from.solution.parameters.insert_row(column, variance_mm2);
+        from.choice.further.own_blur |= further.own_blur;
+        from.choice.further.angular_spread |= further.angular_spread;
+        let layout = Layout::new(from.choice, scene.groups.len());
+        let column = if further.own_blur {
+            layout.own_blur()?
+        } else {
+            layout.angular_spread()?
+        };
+        let variance = deviation.powi(2);
+        from.solution.parameters = from.solution.parameters.insert_row(column, variance);
         let stepped = self.doubted.stepped(scene, loss, from, Some(column))?;
         let mut found = estimate(scene, loss, stepped).coordinates();
         found.remove(column);
         let pairs = found.iter().zip(base);
         Some(pairs.map(|(found, own)| found - own).collect())
+    }
+
+    /// Returns the changes if the light were more than its values by a step at the brightest plateau,
+    /// and by a share that falls with the light; `None` without mu.
+    fn curved(&self) -> Option<Changes> {
+        let Doubted { scene, best, .. } = *self.doubted;
+        let reference = &scene.reference.as_ref()?.photographs;
+        let groups = best.mu.as_ref()?.len();
+        let levels = |pixels: &Pixels| pixels.plateaus();
+        let shots: Vec<[f64; 2]> = scene
+            .shots
+            .iter()
+            .map(|shot| levels(&shot.pixels))
+            .collect();
+        let sources: Vec<[f64; 2]> = reference.iter().map(|own| levels(&own.pixels)).collect();
+        let brightest = shots.iter().chain(&sources).map(|[_, bright]| *bright);
+        let brightest = brightest.fold(f64::MIN_POSITIVE, f64::max);
+        let mean = |all: &mut dyn Iterator<Item = &[f64; 2]>| {
+            let sums = all.fold([0.0; 2], |[sum, n], [dark, bright]| {
+                [sum + dark + bright, n + 1.0]
+            });
+            (STEP - 1.0) * sums[0] / sums[1] / brightest
+        };
+        let source = mean(&mut sources.iter());
+        let mut changes = vec![f64::NAN; best.parameters.len()];
+        let own = changes.iter_mut().skip(best.blur_parameters());
+        for (group, change) in own.enumerate() {
+            let numbered = scene.shots.iter().zip(&shots);
+            let of_group = numbered.filter(|(shot, _)| groups == 1 || shot.group == group);
+            *change = mean(&mut of_group.map(|(_, levels)| levels)) - source;
+        }
+        Some(changes)
     }
 
     /// Returns the changes if all floating distances were `by` times as long.

@@ -29,6 +29,10 @@ pub enum UnverifiedInput {
     TangentialAxisDeg,
     /// Lens: that the mid-air photographs are as sharp as the reference.
     Lens,
+    /// Dihedral angles: that those of all cubes are 90 degrees, or as in the table.
+    DihedralAngles,
+    /// Camera: that its values are proportional to the light, as the transfer says.
+    Linearity,
     /// Cell of the table.
     Cell,
 }
@@ -48,6 +52,8 @@ impl UnverifiedInput {
             UnverifiedInput::AzimuthDeg => "azimuth_deg",
             UnverifiedInput::TangentialAxisDeg => "tangential_axis_deg",
             UnverifiedInput::Lens => "lens",
+            UnverifiedInput::DihedralAngles => "dihedral_angles",
+            UnverifiedInput::Linearity => "linearity",
             UnverifiedInput::Cell => "cell",
         }
     }
@@ -81,9 +87,10 @@ pub struct Unverified {
     pub effect: Effect,
 }
 
-/// Returns one sentence that names, for each of c, a and mu, what a step changes most; `None` if
-/// nothing is known.
+/// Returns one sentence that names, for each of c, a and mu, the inputs whose steps change it most;
+/// `None` if nothing is known.
 pub fn in_words(trusted: &[Unverified]) -> Option<String> {
+    const NAMED: usize = 2;
     let most = ["c", "a", "mu"]
         .into_iter()
         .enumerate()
@@ -93,10 +100,15 @@ pub fn in_words(trusted: &[Unverified]) -> Option<String> {
                 .iter()
                 .filter_map(|entry| Some((entry, of(&entry.effect)?)))
                 .filter(|(_, share)| *share != 0.0);
-            let (entry, share) = known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-            let (what, step, percent) = (entry.what.name(), &entry.step, 100.0 * share);
-            Some(format!("{name} {percent:+.2} % by {step} of {what}"))
+            let mut known: Vec<(&Unverified, f64)> = known.collect();
+            known.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+            let causes = known.iter().take(NAMED).map(|(entry, share)| {
+                let (what, step, percent) = (entry.what.name(), &entry.step, 100.0 * share);
+                format!("{percent:+.2} % by {step} of {what}")
+            });
+            let causes: Vec<String> = causes.collect();
+            (!causes.is_empty()).then(|| format!("{name} {}", causes.join(" and ")))
         });
     let most: Vec<String> = most.collect();
-    (!most.is_empty()).then(|| format!("taken on trust, largest effects: {}", most.join(", ")))
+    (!most.is_empty()).then(|| format!("taken on trust, largest effects: {}", most.join("; ")))
 }

@@ -44,7 +44,7 @@ pub(crate) fn of_estimate(
     warnings.extend(unused_distances(scene, best.choice.kernel));
     let baseline = best.choice.kernel.is_baseline();
     warnings.extend(misfit(goodness, (suspects, diagnosis), baseline));
-    warnings.extend(own_blur(best));
+    warnings.extend(own_blur(scene, best));
     warnings.extend(either_blur(best, compared));
     warnings.extend(unlike_diffraction(scene, best));
     warnings.extend(coarse(best));
@@ -61,7 +61,7 @@ pub(crate) fn of_estimate(
 }
 
 /// Returns a warning if the mid-air photographs have a blur that the reference does not have.
-fn own_blur(best: &Estimate) -> Option<String> {
+fn own_blur(scene: &Scene, best: &Estimate) -> Option<String> {
     let own = best.own_blur_px?;
     let (size, error) = (own.value.abs(), own.standard_error);
     let (compared, of) = if own.value > 0.0 {
@@ -69,11 +69,25 @@ fn own_blur(best: &Estimate) -> Option<String> {
     } else {
         ("sharper by", "than the reference")
     };
+    let normals = scene.shots.iter().map(|shot| shot.pixels.line.normal_rad);
+    let first = normals.clone().next().unwrap_or(0.0);
+    let remedy = if normals.clone().all(|own| is_along(own, first)) {
+        ""
+    } else {
+        " The edges run in several directions, and the blur is taken as round: shake along one axis \
+        is not. Fit the photographs of each direction as a campaign of their own, and compare c"
+    };
     Some(format!(
         "the mid-air photographs are {compared} {size:.2} +- {error:.2} px {of} (standard deviation \
         of a Gaussian): focus, or vibration. The estimate allows for it. Focus all photographs on \
-        their edge, with one aperture, and take the reference at the distance of the mid-air image"
+        their edge, with one aperture, and take the reference at the distance of the mid-air \
+        image.{remedy}"
     ))
+}
+
+/// Returns whether two edges run within 30 degrees of one direction.
+fn is_along(normal_rad: f64, other_rad: f64) -> bool {
+    (normal_rad - other_rad).sin().abs() < 0.5
 }
 
 /// Returns a warning if a blur of the camera and an angular spread of the sheet explain the

@@ -275,12 +275,13 @@ fn spots_that_look_like_a_spread_are_in_the_errors() {
     assert!(errors[4] > 2.0 * errors[0], "{errors:?}");
 }
 
-/// Photographs of an ideal sheet through one lens get no further blur. The lens is taken on trust,
-/// and the angular spread has a bound.
+/// Photographs of an ideal sheet through one lens get no further blur. The lens and the dihedral
+/// angles are taken on trust, and the angular spread has a bound.
 ///
-/// The effect of the lens is the error that a further blur of 0.3 px would leave, with the other
-/// sign. It is one step of Gauss and Newton for an effect of some percent, and both photographs have
-/// noise of their own size: a tenth of it and a third of a standard error are allowed.
+/// The effect of each is the error that such a blur would leave, with the other sign: a further blur
+/// of 0.3 px, and independent dihedral errors of 0.02 mrad. It is one step of Gauss and Newton for an
+/// effect of some percent, and both photographs have noise of their own size: a tenth of it and a
+/// third of a standard error are allowed.
 #[test]
 #[ignore = "seconds: `make test-full` runs it"]
 fn ideal_photographs_get_no_further_blur() {
@@ -291,19 +292,21 @@ fn ideal_photographs_get_no_further_blur() {
         let best = &estimated.best;
         assert!(best.own_blur_px.is_none() && best.angular_spread_mrad.is_none());
         assert_eq!(best.c_mm, before.c_mm);
-        let lens = estimated
-            .trusted
-            .iter()
-            .find(|own| own.what.name() == "lens");
-        let effect = lens.expect("there is a reference").effect;
-        let blurred = Effect::Lens(0.55_f64.hypot(0.3));
-        let other = fitted(blurred, seed, &[150.0, 300.0], 4e4).before;
-        let [own, other] = [best, &other].map(|fit| fit.c_mm.expect("there is a shift"));
-        let expected = own.value / other.value - 1.0;
-        let found = effect.c_mm.expect("there is a shift");
-        let allowed = 0.1 * expected.abs() + own.standard_error / own.value / 3.0;
-        println!("{seed}: lens {found:+.5} {expected:+.5}");
-        assert!((found - expected).abs() < allowed, "{found} {expected}");
+        for (name, hidden) in [
+            ("lens", Effect::Lens(0.55_f64.hypot(0.3))),
+            ("dihedral_angles", Effect::Dihedral(0.02)),
+        ] {
+            let mut trusted = estimated.trusted.iter();
+            let entry = trusted.find(|own| own.what.name() == name);
+            let effect = entry.expect("it is taken on trust").effect;
+            let other = fitted(hidden, seed, &[150.0, 300.0], 4e4).before;
+            let [own, other] = [best, &other].map(|fit| fit.c_mm.expect("there is a shift"));
+            let expected = own.value / other.value - 1.0;
+            let found = effect.c_mm.expect("there is a shift");
+            let allowed = 0.1 * expected.abs() + own.standard_error / own.value / 3.0;
+            println!("{seed}: {name} {found:+.5} {expected:+.5}");
+            assert!((found - expected).abs() < allowed, "{found} {expected}");
+        }
         let bound = estimated.bounds.get(&ParameterKind::AngularSpread.shared());
         let most = bound.and_then(|own| own.at_most).expect("it is bounded");
         println!("{seed}: spread below {most:.4} mrad");

@@ -63,6 +63,8 @@ fn named(given: UnverifiedInput) -> &'static str {
         UnverifiedInput::AzimuthDeg => "azimuths (\u{b0})",
         UnverifiedInput::TangentialAxisDeg => "tangential axes (\u{b0})",
         UnverifiedInput::Lens => "lens: as sharp as in the reference",
+        UnverifiedInput::DihedralAngles => "dihedral angles: as in the table",
+        UnverifiedInput::Linearity => "light over the camera's values, at the brightest plateau",
         UnverifiedInput::Cell => "cell of the table",
     }
 }
