@@ -19,7 +19,7 @@ use edges::names::LobeShape;
 use edges::names::ParameterKind;
 use estimator::Error;
 use estimator::model::{Baseline, Blur};
-use estimator::predict::{Places, Prediction, predict};
+use estimator::predict::{Fitted, Places, Prediction, predict};
 use estimator::result::{Domain, ResultFile};
 
 /// File form of a material.
@@ -41,12 +41,15 @@ pub enum Form {
 /// includes.
 ///
 /// # Errors
-/// Returns [`crate::Error::NoBsdf`] if the kernel holds in no scene.
+/// Returns [`crate::Error::NoBsdf`] if the kernel holds in no scene, and the errors of
+/// [`Fitted::new`].
 pub fn mitsuba(
     result: &ResultFile,
+    table: &Table,
     [result_path, table_path]: [&Path; 2],
     floating_distance_mm: f64,
 ) -> Result<String, crate::Error> {
+    Fitted::new(result, table)?;
     let kernel = result.kernel;
     let distance = match kernel {
         Kernel::Eq1 | Kernel::Lobe => {

@@ -125,7 +125,8 @@ impl Document {
             "" => "the top level".to_owned(),
             path => format!("[{path}]"),
         };
-        let said = error.message();
+        // Errors of values in arrays come as the whole text of another error, with its line feed.
+        let said = error.message().trim_end();
         let (fault, expected) = said.rsplit_once(", expected ").unwrap_or((said, ""));
         let (kind, found) = match fault.split_once([':', '`']) {
             Some(("invalid type", found)) if found.ends_with("128") => ("invalid value", found),

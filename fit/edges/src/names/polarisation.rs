@@ -10,6 +10,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2, TAU};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
+use crate::document::{finite, turn};
+
 /// Jones matrix (s, p), row-major.
 type Matrix = [[Complex64; 2]; 2];
 
@@ -35,8 +37,10 @@ pub enum State {
 #[serde(deny_unknown_fields)]
 pub struct Retarder {
     /// Delay of the slow axis, wavelengths.
+    #[serde(deserialize_with = "finite")]
     pub waves: f64,
     /// Fast axis, degrees from s.
+    #[serde(deserialize_with = "turn")]
     pub axis_deg: f64,
 }
 

@@ -171,7 +171,11 @@ fn what_is_left_out_has_a_default_and_a_warning() {
         campaign.setup.spectrum.as_ref().unwrap().lines()[0].wavelength_nm,
         550.0
     );
-    let parts = ["mu includes it", "has no [reference]", "counts twice"];
+    let parts = [
+        "mu includes it",
+        "has no [reference]",
+        "used by an earlier capture, so it counts twice",
+    ];
     assert_eq!(
         campaign.warnings.len(),
         parts.len(),
@@ -215,6 +219,79 @@ fn the_expected_table_is_a_hash_of_either_case() {
     for bad in [&hash[1..], &long, &none, ""] {
         let error = read(&format!("expect_table = \"{bad}\"")).unwrap_err();
         assert!(error.to_string().contains("no content hash"), "{error}");
+    }
+}
+
+/// A reference that is named twice counts twice, as a capture does.
+#[test]
+fn a_reference_that_is_there_twice_gets_a_warning() {
+    let (_folder, campaign) = campaign(
+        "[setup]\npixel_pitch_mm = 1\nhalf_mirror_transmittance = 0.5\n\
+         half_mirror_reflectance = 0.5\n\
+         [[reference]]\nimage = \"source.exr\"\nexposure = 1\n\
+         [[reference]]\nimage = \"./source.exr\"\nexposure = 1\n\
+         [[capture]]\nimage = \"one.exr\"\nfloating_distance_mm = 1\nincidence_deg = 0\n\
+         exposure = 1\n",
+    );
+    let [warning] = &campaign.warnings[..] else {
+        panic!("{:?}", campaign.warnings)
+    };
+    assert!(warning.contains("captures.toml:9: image "), "{warning}");
+    assert!(
+        warning.contains("used by an earlier reference"),
+        "{warning}"
+    );
+}
+
+/// Faults of [setup] name their key in one line, and what a setup alone lacks is a warning as it is
+/// in a campaign.
+#[test]
+fn a_setup_alone_is_checked_and_warns() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("s.toml");
+    let read = |keys: &str| {
+        std::fs::write(&file, format!("[setup]\n{keys}\n")).unwrap();
+        captures::setup_of(&file)
+    };
+    let cases = [
+        (
+            "retarder = { waves = nan, axis_deg = 0 }",
+            "s.toml:2: `waves` is NaN but must be a finite number",
+        ),
+        (
+            "retarder = { waves = inf, axis_deg = 0 }",
+            "s.toml:2: `waves` is inf but must be a finite number",
+        ),
+        (
+            "retarder = { waves = 1e300, axis_deg = 0 }",
+            "but must be a finite number, at most 1e9 in size; correct the value",
+        ),
+        (
+            "retarder = { waves = 1, axis_deg = 361.0 }",
+            "s.toml:2: `axis_deg` is 361 but must be from -360 to 360 degrees",
+        ),
+        (
+            "half_mirror_transmittance = { s = 0.5 }",
+            "s.toml:2: `p` is missing from [setup.half_mirror_transmittance]; add it",
+        ),
+    ];
+    for (keys, expected) in cases {
+        let said = read(keys).unwrap_err().to_string();
+        assert!(said.contains(expected) && !said.contains('\n'), "{said:?}");
+    }
+    assert_eq!(cases.len(), 5);
+    let both = |t: f64| format!("half_mirror_transmittance = {t}\nhalf_mirror_reflectance = 0.5");
+    for (keys, expected) in [
+        (String::new(), Some("what is missing counts as 1")),
+        (both(0.6), Some("add up to more than 1")),
+        (both(0.5), None),
+    ] {
+        let (_, warnings) = read(&keys).unwrap();
+        assert_eq!(warnings.len(), expected.iter().count(), "{warnings:?}");
+        assert!(
+            expected.is_none_or(|part| warnings[0].contains(part)),
+            "{warnings:?}"
+        );
     }
 }
 

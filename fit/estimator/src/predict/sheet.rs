@@ -35,6 +35,7 @@ impl<'a> Fitted<'a> {
     /// [`Error::OtherCell`] if the table is not one of the fitted cell.
     pub fn new(result: &'a ResultFile, table: &'a Table) -> Result<Fitted<'a>, Error> {
         numbers(result)?;
+        result.camera.check()?;
         if result.polarisation.is_some() && table.passage.is_none() {
             return Err(Error::Unpolarised);
         }
@@ -50,16 +51,17 @@ impl<'a> Fitted<'a> {
     }
 
     /// Returns the sheet with the table that its cell has in the light of another colour: its
-    /// refractive index and its losses may differ.
+    /// refractive index and its losses may differ, but not what is behind its facets.
     ///
     /// # Errors
-    /// Returns [`Error::OtherCell`] if the other table has another mesh, size or orientation.
+    /// Returns [`Error::OtherCell`] if the other table has another mesh, size, orientation or back.
     pub fn in_colour<'b>(&'b self, table: &'b Table) -> Result<Fitted<'b>, Error> {
         let [own, other] = [self.table, table].map(|table| &table.provenance);
         let differs = [
             ("mesh", own.mesh_hash == other.mesh_hash),
             ("edge length", own.edge_length == other.edge_length),
             ("azimuth zero", own.azimuth_zero == other.azimuth_zero),
+            ("back", own.back == other.back),
         ];
         let differs = differs.iter().filter(|(_, same)| !same);
         let differs: Vec<&str> = differs.map(|(name, _)| *name).collect();

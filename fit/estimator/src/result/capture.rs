@@ -2,9 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::estimate::{Aerial, Scene};
 use crate::model::{Camera, Lens};
+use edges::document::Bounds;
 
 /// Origin of an exposure that the camera wrote.
 pub(super) const FROM_EXIF: &str = "Exif";
@@ -82,6 +84,57 @@ pub struct CameraResult {
     /// photograph, and in older results.
     #[serde(default)]
     pub farthest_from_reference_deg: Option<f64>,
+}
+
+/// Width of a blur: a fit may find one that is nearly nothing.
+const BLUR: Bounds = Bounds::new("at least 0 and at most 1e9", |x| (0.0..=1e9).contains(&x));
+
+/// Exponent of a lens, far beyond those of fits.
+const EXPONENT: Bounds = Bounds::new("from 0.05 to 100", |x| (0.05..=100.0).contains(&x));
+
+/// Value of an OTF, which noise and sharpening lift above 1.
+const OTF: Bounds = Bounds::new("from -4 to 4", |x| x.abs() <= 4.0);
+
+impl CameraResult {
+    /// Checks that the numbers are those of a camera.
+    ///
+    /// # Errors
+    /// Returns [`Error::Number`] of the first number that is out of range.
+    pub fn check(&self) -> Result<(), Error> {
+        let of_lenses = |of: fn(&LensResult) -> &[f64]| -> Vec<f64> {
+            let lenses = self.lens.iter();
+            lenses.flat_map(|lens| of(lens).iter().copied()).collect()
+        };
+        let one = |number: Option<f64>| -> Vec<f64> { number.into_iter().collect() };
+        let angles = self.lens.iter().filter_map(|lens| lens.edge_angle_deg);
+        let checked = [
+            (
+                "camera.pixel_pitch_mm",
+                vec![self.pixel_pitch_mm],
+                Bounds::POSITIVE,
+            ),
+            ("camera.lens_blur_mm", one(self.lens_blur_mm), BLUR),
+            ("camera.lens_exponent", one(self.lens_exponent), EXPONENT),
+            ("camera.lens.edge_angle_deg", angles.collect(), Bounds::TURN),
+            (
+                "camera.lens.frequency_per_px",
+                of_lenses(|lens| &lens.frequency_per_px),
+                Bounds::NOT_NEGATIVE,
+            ),
+            ("camera.lens.otf", of_lenses(|lens| &lens.otf), OTF),
+        ];
+        for (what, values, bounds) in checked {
+            let wrong = |value: &&f64| !(value.is_finite() && (bounds.holds)(**value));
+            if let Some(&value) = values.iter().find(wrong) {
+                return Err(Error::Number {
+                    what,
+                    value,
+                    must_be: bounds.words,
+                });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Lens along one direction.

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 use tables::Table;
 
+use crate::error::Error;
 use crate::estimate::Bounds;
 use crate::estimate::Estimate;
 use crate::estimate::Estimated;
@@ -274,10 +275,14 @@ impl ResultFile {
     ///
     /// # Errors
     /// Returns [`tables::Error::Polarised`] if the light is polarised, and the table does not say
-    /// how its cubes turn it.
-    pub fn seen<'a>(&self, table: &'a Table) -> Result<Cow<'a, Table>, tables::Error> {
+    /// how its cubes turn it, and an error that names the keys of the setup if no light passes it.
+    pub fn seen<'a>(&self, table: &'a Table) -> Result<Cow<'a, Table>, Error> {
         let in_mirror = self.seen_in_mirror.unwrap_or(true);
-        polarised::seen(table, self.polarisation.as_ref(), in_mirror)
+        Ok(polarised::seen(
+            table,
+            self.polarisation.as_ref(),
+            in_mirror,
+        )?)
     }
 }
 

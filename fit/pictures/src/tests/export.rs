@@ -1,6 +1,6 @@
 //! Tests of the nearest lobe for renderers and of predictions drawn against one variable. The lobe
 //! is found again if it describes the sheet, else it is the nearest one; it is written in three
-//! forms.
+//! forms. What is no table of the sheet is refused.
 
 use std::path::Path;
 
@@ -9,12 +9,13 @@ use crate::report::Variable;
 use crate::report::plot;
 use edges::names::Kernel;
 use edges::names::LobeShape;
-use estimator::predict::{Places, around, predict};
+use estimator::predict::{Fitted, Places, around, predict};
 use estimator::result::ResultFile;
 use estimator::result::TableResult;
 use lab::planted;
 use serde_json::{Value, json};
 use tables::Table;
+use tables::options::Back;
 
 fn table() -> Table {
     let truth = planted::truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.2, 0.5);
@@ -164,7 +165,7 @@ fn a_scene_for_mitsuba_names_files_and_distance() {
     let files = [Path::new("a \"b\" & c.json"), Path::new("t.h5")];
     let of = |kernel: &str, lobe: Option<&str>| {
         let entries = json!({ "kernel": kernel, "lobe": lobe, "c_mm": 0.2, "a_per_mm": 4.0 });
-        mitsuba(&result(&table, entries), files, 300.0)
+        mitsuba(&result(&table, entries), &table, files, 300.0)
     };
     let mut cases = 0;
     for (kernel, lobe, has_distance) in [
@@ -188,6 +189,55 @@ fn a_scene_for_mitsuba_names_files_and_distance() {
         refused.to_string().contains("--kernel angular"),
         "{refused}"
     );
+}
+
+/// A table of another cell makes no scene, and one of another back is no other colour of the sheet.
+#[test]
+fn tables_of_other_cells_are_refused() {
+    let table = table();
+    let entries = json!({ "kernel": "shift", "lobe": null, "c_mm": 0.2 });
+    let own = result(&table, entries);
+    let mut other = table.clone();
+    other.provenance.back = Back::Tir.into();
+    let files = [Path::new("r.json"), Path::new("t.h5")];
+    let refused = mitsuba(&own, &other, files, 300.0).expect_err("another cell");
+    assert!(refused.to_string().contains("another back"), "{refused}");
+    let sheet = Fitted::new(&own, &table).expect("its own table");
+    let refused = sheet.in_colour(&other).expect_err("another back");
+    assert!(refused.to_string().contains("another back"), "{refused}");
+    other.provenance.back = table.provenance.back.clone();
+    other.provenance.refractive_index = 1.51;
+    assert!(sheet.in_colour(&other).is_ok());
+}
+
+/// Ideal mirrors are dark between crossed polarisers, and dim between those at 80 degrees.
+#[test]
+fn a_setup_that_no_light_passes_is_refused() {
+    let table = table();
+    let behind = |analyser: &str| {
+        let both = json!({ "s": 0.5, "p": 0.5 });
+        let entries = json!({
+            "kernel": "shift", "lobe": null, "c_mm": 0.2,
+            "polarisation": {
+                "source": "linear:0", "analyser": analyser, "retarder": null,
+                "half_mirror_transmittance": both, "half_mirror_reflectance": both,
+            },
+        });
+        let own = result(&table, entries);
+        own.seen(&table).map(|seen| {
+            let light = |of: &Table| of.direction(0.0, Some(20.0)).unwrap().retroreflected;
+            light(&seen) / light(&table)
+        })
+    };
+    let refused = behind("linear:90").expect_err("nothing passes").to_string();
+    assert!(
+        refused.starts_with("[setup]: less than 1e-9") && refused.contains("`analyser`"),
+        "{refused}"
+    );
+    // Malus' law.
+    let share = behind("linear:80").expect("light passes");
+    let expected = 80_f64.to_radians().cos().powi(2);
+    assert!((share / expected - 1.0).abs() < 1e-12, "{share} {expected}");
 }
 
 /// What no released library declares is said, and of the other form nothing is.

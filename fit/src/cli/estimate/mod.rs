@@ -363,8 +363,9 @@ pub(crate) fn check_model(
 /// Reads a RESULT.json: of one fit, or the named channel of a file with several channels.
 ///
 /// # Errors
-/// Returns [`Failure::Json`] if the file cannot be read or holds no result. Returns
-/// [`Failure::Channel`] if it holds several channels and `channel` names none of them.
+/// Returns [`Failure::Json`] if the file cannot be read, holds no result, or one of a camera that
+/// cannot be. Returns [`Failure::Channel`] if it holds several channels and `channel` names none of
+/// them.
 pub(crate) fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultFile, Failure> {
     let expected = "`fit estimate -o` wrote";
     let several = || parse::read_json::<BTreeMap<String, ResultFile>>(path, expected);
@@ -372,13 +373,24 @@ pub(crate) fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultF
         path: path.to_owned(),
         held: held.into_keys().collect::<Vec<_>>().join(", "),
     };
-    match channel {
-        None => {
-            parse::read_json(path, expected).map_err(|failure| several().map_or(failure, channels))
-        }
+    let result: ResultFile = match channel {
+        None => parse::read_json(path, expected)
+            .map_err(|failure| several().map_or(failure, channels))?,
         Some(name) => {
             let mut held = several()?;
-            held.remove(name).ok_or_else(|| channels(held))
+            held.remove(name).ok_or_else(|| channels(held))?
         }
+    };
+    match result.camera.check() {
+        Err(estimator::Error::Number {
+            what,
+            value,
+            must_be,
+        }) => Err(Failure::Json {
+            path: path.to_owned(),
+            message: format!("`{what}` is {value} but must be {must_be}"),
+            expected,
+        }),
+        checked => Ok(checked.map(|()| result)?),
     }
 }

@@ -175,8 +175,10 @@ impl Numbers {
             Some(file) => Some(captures::setup_of(file).map_err(estimator::Error::from)?),
             None => None,
         };
-        let mut result = self.unpolarised(verb, pixel_pitch_mm, table, setup.as_ref())?;
-        if let Some(setup) = setup {
+        let own = setup.as_ref().map(|(setup, _)| setup);
+        let mut result = self.unpolarised(verb, pixel_pitch_mm, table, own)?;
+        if let Some((setup, warnings)) = setup {
+            result.warnings.extend(warnings);
             if result.kernel.has_waves() && setup.spectrum.is_some() {
                 result.wavelength_nm.clone_from(&setup.spectrum);
             }
@@ -257,5 +259,47 @@ impl Numbers {
             )),
             _ => Ok(result),
         }
+    }
+}
+
+#[cfg(all(test, feature = "full"))]
+mod tests {
+    use crate::cli::calls;
+
+    /// A setup without half mirror says so, as `fit estimate` does. A result that is read names the
+    /// file and the key of a number that no camera has.
+    #[test]
+    fn a_setup_without_half_mirror_warns_and_an_impossible_camera_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("s.toml");
+        let table = calls::table_of_sheet("prism-0.1").unwrap();
+        let of = |keys: &str| {
+            std::fs::write(&file, format!("[setup]\n{keys}")).unwrap();
+            let words = ["--sheet", "prism-0.1", "--setup", file.to_str().unwrap()];
+            calls::sheet(&words.map(Into::into), &table).unwrap()
+        };
+        let both = of("half_mirror_transmittance = 0.5\nhalf_mirror_reflectance = 0.5\n");
+        let none = of("");
+        assert_eq!((both.half_mirror, none.half_mirror), (0.25, 1.0));
+        assert_eq!(none.warnings.len(), both.warnings.len() + 1);
+        let said = none.warnings.last().unwrap();
+        assert!(said.contains("what is missing counts as 1"), "{said}");
+
+        let file = folder.path().join("r.json");
+        let read = |pitch: f64| {
+            let mut own = both.clone();
+            own.camera.pixel_pitch_mm = pitch;
+            std::fs::write(&file, calls::json(&own)).unwrap();
+            calls::read(&file, None)
+        };
+        assert!(read(0.1).is_ok());
+        let Err(refused) = read(-0.1) else {
+            panic!("a pixel of -0.1 mm")
+        };
+        let said = refused.to_string();
+        assert!(
+            said.contains("r.json: `camera.pixel_pitch_mm` is -0.1 but must be greater than 0"),
+            "{said}"
+        );
     }
 }

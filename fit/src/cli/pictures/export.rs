@@ -88,7 +88,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Target::Gltf => Form::Gltf,
         Target::Mitsuba => {
             let files = [arguments.result.as_path(), &arguments.table];
-            let text = mitsuba(&result, files, arguments.distance)?;
+            let text = mitsuba(&result, &table, files, arguments.distance)?;
             return Ok(terminal::deliver(&text, output)?);
         }
     };

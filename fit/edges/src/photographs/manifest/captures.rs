@@ -249,13 +249,16 @@ pub fn held(text: String, name: &Path, is_held: &dyn Fn(&Path) -> bool) -> Resul
 
 /// Reads the table `[setup]` of a manifest, or of a file that has only this table.
 ///
-/// `pixel_pitch_mm` is 1 if the file does not give it.
+/// `pixel_pitch_mm` is 1 if the file does not give it. The warnings say what was assumed, as those
+/// of a campaign do.
 ///
 /// # Errors
 /// Returns the errors of [`load`] about this table.
-pub fn setup_of(file: &Path) -> Result<Setup, Error> {
+pub fn setup_of(file: &Path) -> Result<(Setup, Vec<String>), Error> {
     let document = Document::read(file)?;
     let Tables { setup: table, .. } = document.parse()?;
     let Table(table) = table.into_inner();
-    Ok(setup(&table, &document, file, &mut Vec::new())?)
+    let mut warnings = Vec::new();
+    let setup = setup(&table, &document, file, &mut warnings)?;
+    Ok((setup, warnings))
 }

@@ -139,7 +139,7 @@ pub(super) fn of_document(
         let none = "has no [[capture]]; add one for each photograph of the mid-air image";
         return Err(document.error(none).into());
     }
-    doubt(&captures, &mut warnings);
+    doubt(&references, &captures, &mut warnings);
     Ok(Manifest {
         campaign: Campaign {
             file: file.to_owned(),
@@ -187,9 +187,8 @@ fn shot(
     })
 }
 
-/// Warns of captures that contradict themselves or others.
-fn doubt(captures: &[Capture], warnings: &mut Vec<String>) {
-    let mut images = HashSet::new();
+/// Warns of captures that contradict themselves, and of photographs that are there twice.
+fn doubt(references: &[Shot], captures: &[Capture], warnings: &mut Vec<String>) {
     for capture in captures {
         if let Some(path) = capture
             .path_mm
@@ -201,12 +200,22 @@ fn doubt(captures: &[Capture], warnings: &mut Vec<String>) {
                 capture.shot.place, capture.floating_distance_mm
             ));
         }
-        if !images.insert(&capture.shot.image) {
+    }
+    doubled("reference", references.iter(), warnings);
+    let shots = captures.iter().map(|capture| &capture.shot);
+    doubled("capture", shots, warnings);
+}
+
+/// Warns of photographs of a `table` that are there twice: their noise would count as independent.
+fn doubled<'a>(table: &str, shots: impl Iterator<Item = &'a Shot>, warnings: &mut Vec<String>) {
+    let mut images = HashSet::new();
+    for shot in shots {
+        if !images.insert(&shot.image) {
             warnings.push(format!(
-                "{}: image {} is already used by an earlier capture, so it counts twice; remove \
+                "{}: image {} is already used by an earlier {table}, so it counts twice; remove \
                 one of the two.",
-                capture.shot.place,
-                capture.shot.image.display()
+                shot.place,
+                shot.image.display()
             ));
         }
     }

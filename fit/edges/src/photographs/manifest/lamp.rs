@@ -156,6 +156,16 @@ impl Curve {
             let words = row.split([',', ';', '\t']).map(str::trim);
             let numbers: Result<Vec<f64>, _> = words.map(str::parse).collect();
             let Ok(numbers) = numbers else {
+                let blanks = row.split_whitespace();
+                if blanks.clone().count() > 1
+                    && blanks.clone().all(|own| own.parse::<f64>().is_ok())
+                {
+                    return Err(format!(
+                        "line {}: \"{row}\" has only blanks between its columns; put a comma, a tab \
+                        or a semicolon between them",
+                        k + 1
+                    ));
+                }
                 if curve.nm.is_empty() {
                     continue;
                 }
@@ -375,12 +385,16 @@ mod tests {
             ("500,1,2\n", "line 1: has 2 values"),
             ("500,1\n510,x\n", "line 2: \"510,x\""),
             ("0.5,1\n", "line 1: the wavelength 0.5"),
+            (
+                "nm power\n400 1\n",
+                "line 2: \"400 1\" has only blanks between its columns",
+            ),
         ];
         for (text, expected) in cases {
             let error = Curve::parse(text, &[1, 3]).unwrap_err();
             assert!(error.starts_with(expected), "{text}: {error}");
         }
-        assert_eq!(cases.len(), 8);
+        assert_eq!(cases.len(), 9);
         let missing = Lamp::read("led.csv", Path::new("nowhere"))
             .unwrap_err()
             .to_string();

@@ -250,9 +250,10 @@ fn lamp(table: &SetupTable, document: &Document, file: &Path) -> Result<Option<L
 fn by_axis<'de, D: Deserializer<'de>>(value: D) -> Result<Option<ByAxis>, D::Error> {
     let both = match toml::Value::deserialize(value)? {
         toml::Value::Table(table) => {
+            // The text of the whole error ends in a line feed, which a message would show.
             let axes: ByAxis = toml::Value::Table(table)
                 .try_into()
-                .map_err(D::Error::custom)?;
+                .map_err(|error: toml::de::Error| D::Error::custom(error.message()))?;
             let share = |own| own == 0.0 || (Bounds::SHARE.holds)(own);
             if !(share(axes.s) && share(axes.p) && axes.mean() > 0.0) {
                 let wrong = "must have s and p from 0 to 1, not both 0; change the value";

@@ -71,8 +71,9 @@ fn terms(rad: f64) -> Vector3<f64> {
 
 impl Camera {
     /// Returns the camera of a result, lengths in mm; `None` if the result has no lens, or one
-    /// whose table of the OTF is damaged.
+    /// whose table of the OTF or another number ([`CameraResult::check`]) is damaged.
     pub fn of(camera: &CameraResult) -> Option<Camera> {
+        camera.check().ok()?;
         let (width, blur) = (camera.pixel_pitch_mm, camera.lens_blur_mm?);
         let mut own = Camera {
             width,

@@ -17,6 +17,47 @@ fn camera(pixel_pitch_mm: f64, lens_blur_mm: Option<f64>, lens: Value) -> Option
     )
 }
 
+/// Numbers that no camera has are refused by the name of their key.
+#[test]
+fn numbers_that_no_camera_has_are_refused() {
+    let good = json!({
+        "pixel_pitch_mm": 0.1, "lens_blur_mm": 0.1, "lens_exponent": 2.0,
+        "lens": [{
+            "edge_angle_deg": 0.0, "terms": 3, "frequency_per_px": [0.0, 0.5, 1.0, 1.5],
+            "otf": [1.0, 1.3, 0.2, -0.1],
+        }],
+    });
+    let read = |value: &Value| serde_json::from_value::<CameraResult>(value.clone()).unwrap();
+    assert!(Camera::of(&read(&good)).is_some());
+    let mut cases = 0;
+    for (at, values) in [
+        ("/pixel_pitch_mm", vec![0.0, -0.1, 1e300]),
+        ("/lens_blur_mm", vec![-0.1, 1e300]),
+        ("/lens_exponent", vec![0.0, -2.0, 1e300]),
+        ("/lens/0/edge_angle_deg", vec![1e300, -361.0]),
+        ("/lens/0/frequency_per_px/0", vec![-0.1]),
+        ("/lens/0/otf/1", vec![1e300, -5.0]),
+    ] {
+        for value in values {
+            let mut wrong = good.clone();
+            *wrong.pointer_mut(at).unwrap() = json!(value);
+            let wrong = read(&wrong);
+            let said = wrong.check().unwrap_err().to_string();
+            let key = at
+                .split('/')
+                .rfind(|own| own.parse::<u8>().is_err())
+                .unwrap();
+            assert!(said.contains(&format!("{key} is ")), "{at} {value}: {said}");
+            assert_eq!(Camera::of(&wrong), None, "{at} {value}");
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 13);
+    let mut wrong = read(&good);
+    wrong.lens[0].otf[2] = f64::NAN;
+    assert!(wrong.check().is_err());
+}
+
 /// Blur length of a Gaussian: exp(-(f blur)^2) = exp(-2 (pi f sigma)^2).
 fn blur(sigma: f64) -> f64 {
     sigma * std::f64::consts::PI * std::f64::consts::SQRT_2
