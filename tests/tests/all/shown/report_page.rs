@@ -222,6 +222,8 @@ fn is_whole(tree: &Document, result: &Value) {
         "azimuths",
         "tangential axes",
         "lens: as",
+        "dihedral angles",
+        "light over",
         "cell of",
     ];
     assert_eq!(trusted.len(), named.len());
@@ -510,11 +512,16 @@ fn is_seen_at_every_width_and_on_paper(here: &Path, page: &str) {
         let text = String::from_utf8_lossy(&paper).into_owned();
         text.matches("/Type /Page\n").count()
     };
-    // Paper shows what is folded on the screen.
-    let open = page.replace("<details>", "<details open=\"\">");
-    assert_eq!(open.matches("<details open").count(), 7);
-    fs::write(here.join("open.html"), open).unwrap();
+    // Paper shows what is folded on the screen. A page may break elsewhere if a part was opened.
+    let each = |attribute: &str| {
+        let other = page.replace("<details>", &format!("<details {attribute}=\"\">"));
+        assert_eq!(other.matches(&format!("<details {attribute}")).count(), 7);
+        fs::write(here.join("other.html"), other).unwrap();
+        printed("other.html")
+    };
     let pages = printed("r.html");
-    assert_eq!(pages, printed("open.html"));
+    let (open, hidden) = (each("open"), each("hidden"));
+    println!("{pages} pages, {open} with open parts, {hidden} without");
+    assert!(pages.abs_diff(open) <= 1 && pages > hidden + 1);
     assert!((2..12).contains(&pages), "{pages} pages");
 }
