@@ -31,7 +31,8 @@
 //! V along each axis: its OTF is J_0(2 pi f sqrt(2 V)). For three equal errors at normal incidence
 //! the spots are a regular hexagon, whose OTF is that of the ring to the fifth order of f. The ring
 //! is tried where a Gaussian was found, for its errors, and where nothing else describes the
-//! photographs, to name the cause.
+//! photographs, to name the cause. It leaves out that each path has its own spot and its own part of
+//! the ray shift, which moves c in proportion to the error: tables with such errors have both.
 
 use std::f64::consts::PI;
 

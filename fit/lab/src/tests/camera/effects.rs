@@ -26,7 +26,8 @@ pub(super) enum Effect {
     Lens(f64),
     /// Independent errors of all dihedral angles of this standard deviation, mrad.
     Dihedral(f64),
-    /// One error of all dihedral angles, mrad.
+    /// One error of all dihedral angles, mrad: its spots, alike for all rays. In a cell they depend on
+    /// where a ray enters, and so does its shift, which this leaves out.
     Common(f64),
     /// A perfect round pupil with this radius of its blur, 1 / cut-off, pixels.
     Pupil(f64),
