@@ -57,7 +57,10 @@ impl Search<'_> {
             self.alone(&mut all);
         }
         tally.of.fetch_add(all.len() - fitted, Ordering::Relaxed);
-        let excess = now.squares() - now.freedom as f64;
+        // The light of suspects is measured by the MTFs, which may not show what the pixels do.
+        let plain = scatter_of(self.scene, &layout(self.scene), &contrasts);
+        let of = |own: &Scatter| own.squares() - own.freedom as f64;
+        let excess = of(now).min(of(&plain));
         let left = |(order, own): (usize, &Alternative)| {
             if self.is_over(tally) {
                 return Ok(None);
@@ -67,7 +70,7 @@ impl Search<'_> {
                 let layout = Layout::new(choice, own.scene.groups.len());
                 let contrasts = contrasts_at(&own.scene, &layout, at);
                 let scatter = scatter_of(&own.scene, &layout, &contrasts);
-                let left = scatter.squares() - scatter.freedom as f64 + own.cost;
+                let left = of(&scatter) + own.cost;
                 (excess - left > SURE.max(EXPLAINED * excess)).then(|| Named {
                     suspect: self.of_scatter(own.what.clone(), own.captures.clone(), &scatter),
                     left,
