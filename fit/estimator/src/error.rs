@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::estimate::progress::Cancelled;
 use crate::model::wave;
+use edges::document::Bounds;
 use edges::names::ParameterKind;
 use edges::photographs::edge::fault::Fault;
 use edges::photographs::manifest::captures;
@@ -142,4 +143,24 @@ pub enum Conflict {
         and --model"
     )]
     AzimuthOfAnother,
+}
+
+/// Checks that numbers of a result lie within their bounds.
+///
+/// # Errors
+/// Returns [`Error::Number`] about the first one that does not.
+pub(crate) fn all_within<const N: usize>(
+    checked: [(&'static str, Vec<f64>, Bounds); N],
+) -> Result<(), Error> {
+    for (what, values, bounds) in checked {
+        let wrong = |value: &&f64| !(value.is_finite() && (bounds.holds)(**value));
+        if let Some(&value) = values.iter().find(wrong) {
+            return Err(Error::Number {
+                what,
+                value,
+                must_be: bounds.words,
+            });
+        }
+    }
+    Ok(())
 }

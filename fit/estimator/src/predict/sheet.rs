@@ -2,7 +2,7 @@
 
 use tables::{Direction, Table};
 
-use crate::error::Error;
+use crate::error::{Error, all_within};
 use crate::model::Blur;
 use crate::model::further;
 use crate::model::{baseline, wave};
@@ -217,15 +217,5 @@ fn numbers(result: &ResultFile) -> Result<(), Error> {
         ),
         ("half_mirror", vec![result.half_mirror], Bounds::SHARE),
     ];
-    for (what, values, bounds) in checked {
-        let wrong = |value: &&f64| !(value.is_finite() && (bounds.holds)(**value));
-        if let Some(&value) = values.iter().find(wrong) {
-            return Err(Error::Number {
-                what,
-                value,
-                must_be: bounds.words,
-            });
-        }
-    }
-    Ok(())
+    all_within(checked)
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
+use crate::error::{Error, all_within};
 use crate::estimate::Estimate;
 use crate::estimate::{Aerial, Scene};
 use crate::model::{Camera, Lens};
@@ -123,17 +123,7 @@ impl CameraResult {
             ),
             ("camera.lens.otf", of_lenses(|lens| &lens.otf), OTF),
         ];
-        for (what, values, bounds) in checked {
-            let wrong = |value: &&f64| !(value.is_finite() && (bounds.holds)(**value));
-            if let Some(&value) = values.iter().find(wrong) {
-                return Err(Error::Number {
-                    what,
-                    value,
-                    must_be: bounds.words,
-                });
-            }
-        }
-        Ok(())
+        all_within(checked)
     }
 }
 
