@@ -175,7 +175,7 @@ fn combined(sources: Vec<(View, Pixels, f64)>, as_it_is: bool) -> (Reference, Op
 }
 
 /// Returns the angle between two lines with these normals, radians: at most a right angle.
-fn between(a: f64, b: f64) -> f64 {
+pub(crate) fn between(a: f64, b: f64) -> f64 {
     (a - b).sin().abs().asin()
 }
 

@@ -1,6 +1,7 @@
 //! Warnings about an estimate.
 
 use crate::estimate::scene::Scene;
+use crate::estimate::scene::reference::between;
 use crate::estimate::search::azimuth::Azimuth;
 use crate::estimate::search::fitted::Estimate;
 use crate::estimate::search::layout::Value;
@@ -60,6 +61,9 @@ pub(crate) fn of_estimate(
     warnings
 }
 
+/// Angle between edges from which on they count as edges of several directions: 30 degrees.
+const ACROSS_RAD: f64 = std::f64::consts::FRAC_PI_6;
+
 /// Returns a warning if the mid-air photographs have a blur that the reference does not have.
 fn own_blur(scene: &Scene, best: &Estimate) -> Option<String> {
     let own = best.own_blur_px?;
@@ -71,7 +75,7 @@ fn own_blur(scene: &Scene, best: &Estimate) -> Option<String> {
     };
     let normals = scene.shots.iter().map(|shot| shot.pixels.line.normal_rad);
     let first = normals.clone().next().unwrap_or(0.0);
-    let remedy = if normals.clone().all(|own| is_along(own, first)) {
+    let remedy = if normals.clone().all(|own| between(own, first) < ACROSS_RAD) {
         ""
     } else {
         " The edges run in several directions, and the blur is taken as round: shake along one axis \
@@ -83,11 +87,6 @@ fn own_blur(scene: &Scene, best: &Estimate) -> Option<String> {
         their edge, with one aperture, and take the reference at the distance of the mid-air \
         image.{remedy}"
     ))
-}
-
-/// Returns whether two edges run within 30 degrees of one direction.
-fn is_along(normal_rad: f64, other_rad: f64) -> bool {
-    (normal_rad - other_rad).sin().abs() < 0.5
 }
 
 /// Returns a warning if a blur of the camera and an angular spread of the sheet explain the
