@@ -43,10 +43,10 @@ impl Search<'_> {
         let (choice, at) = (self.fit.choice, &self.fit.solution.parameters);
         let layout = |scene: &Scene| Layout::new(choice, scene.groups.len());
         let contrasts = contrasts_at(self.scene, &layout(self.scene), at);
+        let of = |own: &Scatter| own.squares() - own.freedom as f64;
         let told = |own: &Otherwise| {
             let scene = self.made(own).filter(Scene::is_lit)?;
-            let scatter = scatter_of(&scene, &layout(&scene), &contrasts);
-            Some(scatter.squares() - scatter.freedom as f64)
+            Some(of(&scatter_of(&scene, &layout(&scene), &contrasts)))
         };
         let stated = self.stated();
         tally.of.fetch_add(stated.len(), Ordering::Relaxed);
@@ -59,7 +59,6 @@ impl Search<'_> {
         tally.of.fetch_add(all.len() - fitted, Ordering::Relaxed);
         // The light of suspects is measured by the MTFs, which may not show what the pixels do.
         let plain = scatter_of(self.scene, &layout(self.scene), &contrasts);
-        let of = |own: &Scatter| own.squares() - own.freedom as f64;
         let excess = of(now).min(of(&plain));
         let left = |(order, own): (usize, &Alternative)| {
             if self.is_over(tally) {
