@@ -160,7 +160,6 @@ fn hint(scene: &Scene, loss: &Loss, fit: &Estimate, score: &Score, unit: f64) ->
     };
     let mut other = estimate(scene, loss, stepped).coordinates();
     other.remove(added);
-    let c_changes = other[0] - fit.coordinates()[0];
     let deviation = variance.abs().sqrt();
     let (error, sign) = (0.5 * unit.sqrt() * error / deviation, variance.signum());
     let what = if further.own_blur {
@@ -177,7 +176,7 @@ fn hint(scene: &Scene, loss: &Loss, fit: &Estimate, score: &Score, unit: f64) ->
     let shift = fit.c_mm.map_or(String::new(), |_| {
         format!(
             "It would change c by {:+.1} %. ",
-            100.0 * c_changes.exp_m1()
+            100.0 * (other[0] - fit.coordinates()[0]).exp_m1()
         )
     });
     let said = format!(
