@@ -74,6 +74,7 @@ fn exact() -> Table {
         deviation: [0.0; 2],
         passes: 0,
         jones: None,
+        cube: None,
     };
     let mut fate = Array3::zeros((DIRECTIONS, 1, Fate::of(Front::Once, false).len()));
     fate.slice_mut(ndarray::s![.., .., Fate::Retroreflected as usize])
@@ -98,6 +99,7 @@ fn exact() -> Table {
         }),
         provenance,
         passage: None,
+        errors_rad: [0.0; 3],
     }
 }
 

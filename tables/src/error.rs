@@ -42,6 +42,12 @@ pub enum Error {
         mirrors with s and p out"
     )]
     Polarised,
+    /// Table that does not say which cubes its paths belong to, so dihedral errors cannot be added.
+    #[error(
+        "the table does not say which cubes its paths belong to, so dihedral_errors_mrad cannot be \
+        added to it; bake it again with --method exact and single azimuths"
+    )]
+    Cubeless,
     /// Extension of a plot that is not .svg.
     #[error("{}: the extension must be .svg; browsers show and print SVG, and Inkscape makes PNG or PDF \
         of it", .0.display())]

@@ -45,7 +45,7 @@ pub use table::axes::Axes;
 pub use table::check::{MOST_DIRECTIONS, check};
 pub use table::counts::l1;
 pub use table::deviation::{self, Deviations};
-pub use table::exact::{Exact, Jones, Path};
+pub use table::exact::{Cube, Exact, Jones, Path};
 pub use table::fate::Fate;
 pub use table::polygon;
 pub use table::provenance::{

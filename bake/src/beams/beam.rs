@@ -8,7 +8,7 @@
 mod fates;
 
 use glam::{DMat2, DVec2, DVec3};
-use tables::{Fate, Jones};
+use tables::{Cube, Fate, Jones};
 
 use crate::beams::candidate::Candidate;
 use crate::beams::exact::{bounds_of_all, total_area, without};
@@ -23,6 +23,9 @@ const FIRST_LOOK: f64 = 4.0;
 /// under way after it runs along a valley of the lattice, within 0.005 deg of the sheet. Its fate
 /// is `bounce_limit`.
 const LAST_LOOK: f64 = 16384.0;
+
+/// Greatest product of two normals of a cube, the sine of its dihedral error (5.7 degrees).
+const MOST_SKEW: f64 = 0.1;
 
 /// Retroreflected light of one sequence of facets.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +44,8 @@ pub(crate) struct LitPiece {
     pub deviation: DVec2,
     /// Number of times that the front face has sent the light back.
     pub passes: u32,
+    /// Cube that returned the light, as in [`tables::Path::cube`].
+    pub cube: Option<Cube>,
 }
 
 /// Pieces and fates of the light of one direction.
@@ -62,6 +67,8 @@ struct BeamCourse {
     reflections: u32,
     /// Number of times that the front face has sent the light back.
     passes: u32,
+    /// Normals of the first three facets, incidence frame; 0 before they are met.
+    normals: [DVec3; 3],
     /// Polarised light of the path; `None` if all facets are ideal mirrors, which keep it.
     light: Option<PolarisedLight>,
     /// Whether the light loses power.
@@ -73,6 +80,16 @@ impl BeamCourse {
     fn power(&self) -> f64 {
         let light = self.light.filter(|_| self.is_lossy);
         light.map_or(1.0, |light| light.power())
+    }
+
+    /// Returns the planes of the cube that has reflected the light, if it has met three at right angles
+    /// and nothing else.
+    fn cube(&self) -> Option<Cube> {
+        let [a, b, c] = self.normals;
+        let skew = [a.dot(b), b.dot(c), c.dot(a)].map(f64::abs);
+        let is_corner = skew.into_iter().all(|skew| skew < MOST_SKEW);
+        let only = self.reflections == 3 && self.passes == 0;
+        (only && is_corner).then(|| self.normals.map(|normal| normal.to_array()))
     }
 
     /// Returns the power that passes the front face along `toward`, a direction inside the sheet,
@@ -143,6 +160,7 @@ impl Follower<'_> {
             isometry: Isometry::IDENTITY,
             reflections: 0,
             passes: 0,
+            normals: [DVec3::ZERO; 3],
             light: match self.rules.losses {
                 Some(_) => Some(PolarisedLight::entered(view.direction, index)),
                 None if self.rules.mirror_back => None,

@@ -132,6 +132,7 @@ impl Baked {
             deviations: None,
             provenance,
             passage: None,
+            errors_rad: [0.0; 3],
         }
     }
 }

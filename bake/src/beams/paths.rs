@@ -134,6 +134,7 @@ fn path(piece: LitPiece) -> Path {
         deviation: piece.deviation.to_array(),
         passes: piece.passes,
         jones: piece.jones,
+        cube: piece.cube,
     }
 }
 

@@ -107,6 +107,7 @@ mod tests {
             deviation: [0.0; 2],
             passes: 0,
             jones: None,
+            cube: None,
         }
     }
 

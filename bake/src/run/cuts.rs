@@ -139,6 +139,7 @@ mod tests {
             deviation: [1e-3, 0.0],
             passes: 0,
             jones: None,
+            cube: None,
         }
     }
 

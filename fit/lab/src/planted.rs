@@ -48,6 +48,7 @@ pub fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> T
                 deviation: [0.0; 2],
                 passes: 0,
                 jones: None,
+                cube: None,
             }
         };
         paths.push(
@@ -81,6 +82,7 @@ pub fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> T
             paths,
         }),
         passage: None,
+        errors_rad: [0.0; 3],
         provenance: Provenance {
             generator: "closed form".into(),
             design: "ideal".into(),

@@ -25,12 +25,19 @@ impl Table {
     /// Two tables of equal hash are equal.
     pub fn content_hash(&self) -> String {
         let mut hash = Sha256::new();
-        self.content(&mut |bytes| hash.update(bytes));
+        self.items(&mut |bytes| hash.update(bytes), false);
         hex(hash.finalize().as_ref())
     }
 
-    /// Gives the items of the content to `sink`, piece by piece.
+    /// Gives the items of the table to `sink`, piece by piece.
+    #[cfg(feature = "hdf5")]
     pub(crate) fn content(&self, sink: &mut dyn FnMut(&[u8])) {
+        self.items(sink, true);
+    }
+
+    /// Gives the items to `sink`, with or without the cubes. They follow from the mesh, and the hash
+    /// leaves them out, so that programs which do not know them read the table too.
+    fn items(&self, sink: &mut dyn FnMut(&[u8]), with_cubes: bool) {
         let mut items = ItemWriter(sink);
         items.text("format", TAG);
         items.floats("incidence_deg", self.axes.incidence_deg.iter().copied());
@@ -49,7 +56,7 @@ impl Table {
             }
         }
         if let Some(exact) = &self.exact {
-            items.exact(exact);
+            items.exact(exact, with_cubes);
         }
         if let Some(deviations) = &self.deviations {
             items.deviations(deviations);
@@ -117,7 +124,7 @@ impl ItemWriter<'_> {
     }
 
     /// Writes the polygons of an exact table.
-    fn exact(&mut self, exact: &Exact) {
+    fn exact(&mut self, exact: &Exact, with_cubes: bool) {
         let flat = FlatPaths::new(exact);
         self.floats("entrance_area", [exact.entrance_area].into_iter());
         self.integers("path_direction", flat.direction.iter().copied());
@@ -132,6 +139,9 @@ impl ItemWriter<'_> {
         }
         if !flat.jones.is_empty() {
             self.floats("path_jones", flat.jones.iter().copied());
+        }
+        if with_cubes && !flat.cube.is_empty() {
+            self.floats("path_cube", flat.cube.iter().copied());
         }
         self.integers("polygon_start", flat.start.iter().copied());
         self.floats("polygon_vertex", flat.vertex.iter().copied());

@@ -203,6 +203,7 @@ pub(crate) fn table(from: impl BufRead) -> io::Result<Table> {
             deviations: None,
             provenance: provenance(&mut items)?,
             passage: None,
+            errors_rad: [0.0; 3],
         },
     };
     check::check(&table).map_err(|error| wrong(&error.to_string()))?;
@@ -232,6 +233,7 @@ fn exact(items: &mut ItemReader<impl BufRead>, directions: usize) -> io::Result<
         deviation: items.optional("path_deviation", f64::from_le_bytes)?,
         passes: items.optional("path_passes", u64::from_le_bytes)?,
         jones: items.optional("path_jones", f64::from_le_bytes)?,
+        cube: items.optional("path_cube", f64::from_le_bytes)?,
         start: items.integers("polygon_start")?,
         vertex: items.floats("polygon_vertex")?,
     };
@@ -246,6 +248,7 @@ fn exact(items: &mut ItemReader<impl BufRead>, directions: usize) -> io::Result<
         (flat.deviation.len(), 2 * count),
         (flat.passes.len(), count),
         (flat.jones.len(), 8 * count),
+        (flat.cube.len(), 9 * count),
     ];
     if lengths != [4 * count, 2 * count, count, count + 1]
         || optional

@@ -20,7 +20,7 @@
 use crate::lookup::course::{FASTEST, LineTrack, assigned, lines, outline, weights};
 use crate::lookup::shape::{
     NearDirection, PathShape, SHORT, deviation, distance, dot, mean_field, scaled, turned,
-    turned_map,
+    turned_cube, turned_map,
 };
 use crate::table::exact::Path;
 use crate::table::polygon::area;
@@ -133,6 +133,7 @@ pub(crate) fn paths(
             ),
             passes: seed.passes,
             jones: mean_field(&members, &weights).map(|jones| scaled(jones, -azimuth_rad, weight)),
+            cube: seed.cube.map(|cube| turned_cube(cube, -azimuth_rad)),
         });
     }
     Some(paths)

@@ -49,6 +49,18 @@ pub struct Direction {
     pub exits: Option<Exits>,
 }
 
+impl Direction {
+    /// Returns the direction without its bins and exit directions, for what only its paths tell.
+    pub fn without_bins(&self) -> Direction {
+        Direction {
+            probability: Array2::zeros((0, 0)),
+            exits: None,
+            paths: self.paths.clone(),
+            ..*self
+        }
+    }
+}
+
 /// Azimuth that the table knows: one of its own, or an image of one by symmetry.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AzimuthImage {

@@ -59,7 +59,7 @@ impl GridCell<'_> {
                 self.paths(exact, self.along.0, self.across.0)
             }
         });
-        let direction = Direction {
+        let mut direction = Direction {
             incidence_deg,
             azimuth_deg,
             retroreflected: eta,
@@ -70,6 +70,10 @@ impl GridCell<'_> {
             paths,
             exits: self.exits(),
         };
+        if table.errors_rad != [0.0; 3] {
+            let index = table.provenance.refractive_index;
+            direction = direction.bent(table.errors_rad, index).unwrap_or(direction);
+        }
         match &table.passage {
             Some(passage) => passage.seen(direction),
             None => direction,

@@ -11,5 +11,6 @@ pub(crate) mod grid_cell;
 pub(crate) mod many;
 pub(crate) mod moved;
 pub(crate) mod passage;
+pub(crate) mod sextants;
 pub(crate) mod shape;
 pub(crate) mod unfolded;

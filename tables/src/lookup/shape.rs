@@ -6,7 +6,7 @@
 
 use num_complex::Complex64;
 
-use crate::table::exact::{Jones, Path};
+use crate::table::exact::{Cube, Jones, Path};
 use crate::table::polygon::area;
 
 /// Direction of the table near the direction that is asked for.
@@ -75,7 +75,7 @@ pub(crate) fn scaled(jones: Planar, angle: f64, power: f64) -> Jones {
 
 /// Returns the direction straight back outside, as its parts along the sheet and up, and 1 /
 /// cos(incidence inside).
-fn back(tau: [f64; 2], index: f64) -> (f64, f64, f64) {
+pub(crate) fn back(tau: [f64; 2], index: f64) -> (f64, f64, f64) {
     let steep = (1.0 + dot(tau, tau)).sqrt();
     let along = index * dot(tau, tau).sqrt() / steep;
     (-along, (1.0 - along * along).max(0.0).sqrt(), steep)
@@ -111,6 +111,14 @@ pub(crate) fn deviation(astray: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2]
 pub(crate) fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     [cos * x - sin * y, sin * x + cos * y]
+}
+
+/// Turns a cube counter-clockwise about the normal of the sheet.
+pub(crate) fn turned_cube(cube: Cube, angle: f64) -> Cube {
+    cube.map(|[u, v, n]| {
+        let [u, v] = turned([u, v], angle);
+        [u, v, n]
+    })
 }
 
 /// Turns a linear map, R M transpose(R): first its columns, then its rows.
@@ -152,6 +160,7 @@ pub(crate) struct PathShape {
     pub astray: [f64; 2],
     pub passes: u32,
     pub(crate) jones: Option<Planar>,
+    pub cube: Option<Cube>,
 }
 
 impl PathShape {
@@ -197,6 +206,7 @@ impl PathShape {
             astray: turned(astray(path.deviation, node.tau, index), azimuth_rad),
             passes: path.passes,
             jones: path.jones.as_ref().map(|jones| planar(jones, azimuth_rad)),
+            cube: path.cube.map(|cube| turned_cube(cube, azimuth_rad)),
         })
     }
 

@@ -100,6 +100,7 @@ pub(crate) fn join(tables: &[Table], axes: Axes) -> Result<Table, Error> {
         exact: None,
         deviations: None,
         passage: None,
+        errors_rad: [0.0; 3],
         provenance: Provenance {
             // Nobody has checked the interpolation in the gaps between the tables.
             direction_tolerance: None,

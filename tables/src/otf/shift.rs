@@ -6,6 +6,7 @@
 //! (`spots`).
 
 use crate::lookup::direction::Direction;
+use crate::lookup::sextants::Sextant;
 use crate::otf::hermite::Samples;
 use crate::otf::ruling::Ruling;
 use crate::otf::spots;
@@ -16,6 +17,9 @@ use std::f64::consts::TAU;
 
 /// Deviations that differ by less than this count as equal, rad: 0.1 nm at a distance of 1 m.
 const SAME_DEVIATION: f64 = 1e-10;
+
+/// Derivatives of a deviation by a dihedral error that differ by less than this count as equal.
+const SAME_SLOPE: f64 = 1e-9;
 
 /// OTF of the shift along one line: S(c f) for an edge normal in the mid-air image.
 #[derive(Debug, Clone)]
@@ -33,46 +37,46 @@ impl ShiftLine {
             return None;
         }
         let along = [normal[0] * incidence_rad.cos(), normal[1]];
-        let groups = by_deviation(direction.paths.as_deref().unwrap_or_default());
-        let power = |paths: &[Path]| {
-            paths
-                .iter()
-                .map(|p| p.weight * area(&p.polygon))
-                .sum::<f64>()
+        let whole = |path: &Path| Sextant {
+            path: path.clone(),
+            by_error: [[0.0; 2]; 3],
         };
-        let total: f64 = groups.iter().map(|group| power(group)).sum();
-        let spot = |group: Vec<Path>| {
-            let share = power(&group) / total;
-            let deviation = group.first().map_or(0.0, |path| {
-                normal[0] * path.deviation[0] + normal[1] * path.deviation[1]
-            });
-            let ruling = Ruling::of_paths(&group, along);
-            let own = Direction {
-                paths: Some(group),
-                ..direction.clone()
-            };
-            LineSpot {
-                share,
-                deviation,
-                middle: ruling.middle,
-                samples: ruling.samples(&own, along),
-            }
-        };
-        let spots = match (&direction.exits, groups.len()) {
-            (Some(exits), _) => spots::spots(direction, exits, normal, along),
+        let paths = direction.paths.as_deref().unwrap_or_default();
+        let spots = match &direction.exits {
+            Some(exits) => spots::spots(direction, exits, normal, along),
             // A table of bins without deviations.
-            (None, 0) => {
+            None if paths.is_empty() => {
                 let ruling = Ruling::of_bins(direction, along);
                 vec![LineSpot {
                     share: 1.0,
                     deviation: 0.0,
+                    by_error: [0.0; 3],
                     middle: ruling.middle,
                     samples: ruling.samples(direction, along),
                 }]
             }
-            _ => groups.into_iter().map(spot).collect(),
+            None => of_paths(paths.iter().map(whole).collect(), direction, normal, along),
         };
         Some(ShiftLine { spots })
+    }
+
+    /// Prepares the same line for cubes with dihedral errors: for [`ShiftLine::otf_with_errors`].
+    /// `index` is that of the sheet. Returns `None` also if the table does not say which cubes its
+    /// paths belong to.
+    pub fn with_errors(
+        direction: &Direction,
+        incidence_rad: f64,
+        normal: [f64; 2],
+        index: f64,
+    ) -> Option<ShiftLine> {
+        if direction.retroreflected <= 0.0 || direction.exits.is_some() {
+            return None;
+        }
+        let along = [normal[0] * incidence_rad.cos(), normal[1]];
+        let sextants = direction.sextants(index)?;
+        Some(ShiftLine {
+            spots: of_paths(sextants, direction, normal, along),
+        })
     }
 
     /// Returns the OTF and its derivative by `c` (mm) at a frequency in 1/mm, at the distance
@@ -81,44 +85,95 @@ impl ShiftLine {
     /// Both are 0 beyond c f = 16: lobes and cameras pass nothing there for cells up to 1 mm and
     /// frequencies up to 16 /mm. The OTF is accurate to 1.6e-5 (`ruling`).
     pub fn otf(&self, c: f64, r_mm: f64, frequency: f64) -> (Complex64, Complex64) {
+        let [value, by_c, ..] = self.otf_with_errors([c, r_mm], [0.0; 3], frequency);
+        (value, by_c)
+    }
+
+    /// Returns the OTF of cubes whose dihedral angles have these errors at the edges 1, 2 and 3 (see
+    /// [`Direction::bent`]), rad, and its derivatives by `c` and by the errors. The line has to be one
+    /// of [`ShiftLine::with_errors`]; errors do nothing to others.
+    pub fn otf_with_errors(
+        &self,
+        [c, r_mm]: [f64; 2],
+        errors_rad: [f64; 3],
+        frequency: f64,
+    ) -> [Complex64; 5] {
         let kappa = c * frequency;
-        let (mut value, mut by_c) = (Complex64::ZERO, Complex64::ZERO);
+        let mut sums = [Complex64::ZERO; 5];
         for spot in &self.spots {
             if kappa > spot.samples.end() {
                 continue;
             }
             let (here, slope) = spot.samples.at(kappa);
-            if spot.deviation == 0.0 && spot.middle == 0.0 {
-                value += here * spot.share;
-                by_c += slope * (frequency * spot.share);
-            } else {
-                let off_mm = r_mm * spot.deviation + c * spot.middle;
-                let turn = Complex64::cis(-TAU * frequency * off_mm) * spot.share;
-                value += here * turn;
-                let turning = Complex64::new(0.0, -TAU * spot.middle);
-                by_c += (slope + here * turning) * turn * frequency;
+            let by_errors = errors_rad.into_iter().zip(spot.by_error);
+            let bent: f64 = by_errors.map(|(error, by)| error * by).sum();
+            let off_mm = r_mm * (spot.deviation + bent) + c * spot.middle;
+            if off_mm == 0.0 && spot.by_error == [0.0; 3] {
+                sums[0] += here * spot.share;
+                sums[1] += slope * (frequency * spot.share);
+                continue;
+            }
+            let turn = Complex64::cis(-TAU * frequency * off_mm) * spot.share;
+            let turning = Complex64::new(0.0, -TAU * spot.middle);
+            sums[0] += here * turn;
+            sums[1] += (slope + here * turning) * turn * frequency;
+            let by_off = Complex64::new(0.0, -TAU * frequency * r_mm) * here * turn;
+            for (sum, by) in sums[2..].iter_mut().zip(spot.by_error) {
+                *sum += by_off * by;
             }
         }
-        (value, by_c)
+        sums
     }
 }
 
-/// Groups the paths by their deviation.
-fn by_deviation(paths: &[Path]) -> Vec<Vec<Path>> {
-    let mut groups: Vec<Vec<Path>> = Vec::new();
+/// Returns the spots of paths, those together that leave in one direction whatever the errors.
+fn of_paths(
+    paths: Vec<Sextant>,
+    direction: &Direction,
+    normal: [f64; 2],
+    along: [f64; 2],
+) -> Vec<LineSpot> {
+    let mut groups: Vec<Vec<Sextant>> = Vec::new();
     for path in paths {
-        let same = |group: &&mut Vec<Path>| {
+        let same = |group: &&mut Vec<Sextant>| {
+            let apart = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
             group.first().is_some_and(|first| {
-                let apart = |k: usize| first.deviation[k] - path.deviation[k];
-                apart(0).hypot(apart(1)) < SAME_DEVIATION
+                let mut pairs = first.by_error.iter().zip(&path.by_error);
+                apart(&first.path.deviation, &path.path.deviation) < SAME_DEVIATION
+                    && pairs.all(|(a, b)| apart(a, b) < SAME_SLOPE)
             })
         };
         match groups.iter_mut().find(same) {
-            Some(group) => group.push(path.clone()),
-            None => groups.push(vec![path.clone()]),
+            Some(group) => group.push(path),
+            None => groups.push(vec![path]),
         }
     }
-    groups
+    let power = |paths: &[Sextant]| {
+        let each = paths.iter();
+        each.map(|s| s.path.weight * area(&s.path.polygon))
+            .sum::<f64>()
+    };
+    let total: f64 = groups.iter().map(|group| power(group)).sum();
+    let projected = |[across, v]: [f64; 2]| normal[0] * across + normal[1] * v;
+    let spot = |group: Vec<Sextant>| {
+        let share = power(&group) / total;
+        let deviation = projected(group[0].path.deviation);
+        let by_error = group[0].by_error.map(projected);
+        let group: Vec<Path> = group.into_iter().map(|sextant| sextant.path).collect();
+        let ruling = Ruling::of_paths(&group, along);
+        let own = Direction {
+            paths: Some(group),
+            ..direction.clone()
+        };
+        LineSpot {
+            share,
+            deviation,
+            by_error,
+            middle: ruling.middle,
+            samples: ruling.samples(&own, along),
+        }
+    };
+    groups.into_iter().map(spot).collect()
 }
 
 /// Light that leaves in one direction.
@@ -128,6 +183,8 @@ pub(crate) struct LineSpot {
     pub share: f64,
     /// Tangent of the deviation along the edge normal.
     pub deviation: f64,
+    /// Derivatives of this tangent by the dihedral errors.
+    pub by_error: [f64; 3],
     /// Shift along the edge normal that the samples leave out, edge lengths.
     pub middle: f64,
     /// OTF as a function of c f.
@@ -168,6 +225,7 @@ mod tests {
             deviation,
             passes: 0,
             jones: None,
+            cube: None,
         };
         let direction = of(vec![
             path(0.0, 0.9, [1e-3, -2e-3]),
@@ -212,6 +270,7 @@ mod tests {
             deviation: [0.0; 2],
             passes: 0,
             jones: None,
+            cube: None,
         };
         let at = |offsets: &[[f64; 2]]| of(offsets.iter().copied().map(path).collect());
         let bins = Direction {

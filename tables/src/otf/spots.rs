@@ -108,6 +108,7 @@ pub(crate) fn spots(
         LineSpot {
             share: 1.0,
             deviation: spot.deviation,
+            by_error: [0.0; 3],
             middle: ruling.middle,
             samples: Samples::new(ruling.step(), values, slopes),
         }

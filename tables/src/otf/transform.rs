@@ -238,6 +238,7 @@ mod tests {
             deviation: [0.0; 2],
             passes: 0,
             jones: None,
+            cube: None,
         };
         vec![
             path(&triangle, [[-2.0, 0.0], [0.0, -2.0]], [0.4, -0.3], 1.0),

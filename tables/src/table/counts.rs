@@ -93,6 +93,7 @@ impl Table {
             deviations: None,
             provenance,
             passage: None,
+            errors_rad: [0.0; 3],
         }
     }
 

@@ -34,7 +34,15 @@ pub struct Path {
     /// Amplitudes of polarised light; `None` for ideal mirrors, which keep the field, and in tables
     /// from before version 0.2.
     pub jones: Option<Jones>,
+    /// The cube that returns the light; `None` if it is no corner of three planes, and in tables from
+    /// before 28 November 2026.
+    pub cube: Option<Cube>,
 }
+
+/// Unit normals of the three planes of a cube, towards the light, each as (u, v, n) with n out of the
+/// sheet. They come in any order. Of a cube without errors they are the directions of its edges, away
+/// from the apex.
+pub type Cube = [[f64; 3]; 3];
 
 /// Jones matrix of a path outside the sheet, row-major [[ss, sp], [ps, pp]], each as (real,
 /// imaginary).

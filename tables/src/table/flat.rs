@@ -73,6 +73,8 @@ pub(crate) struct FlatPaths {
     pub passes: Vec<u64>,
     /// Jones matrices, eight numbers a path; empty if a path has none.
     pub jones: Vec<f64>,
+    /// Cubes, nine numbers a path, all 0 where a path has none; empty if none has one.
+    pub cube: Vec<f64>,
     /// Bounds of the polygons: path k has the vertices start[k] .. start[k + 1].
     pub start: Vec<u64>,
     /// Vertices of the polygons, two numbers a vertex.
@@ -96,6 +98,8 @@ impl FlatPaths {
                 flat.passes.push(u64::from(path.passes));
                 let jones = path.jones.iter().flatten().flatten().flatten();
                 flat.jones.extend(jones);
+                flat.cube
+                    .extend(path.cube.unwrap_or_default().as_flattened());
                 flat.vertex.extend(path.polygon.as_flattened());
                 flat.start.push(flat.vertex.len() as u64 / 2);
             }
@@ -105,6 +109,9 @@ impl FlatPaths {
         }
         if flat.passes.iter().all(|&passes| passes == 0) {
             flat.passes.clear();
+        }
+        if flat.cube.iter().all(|&x| x == 0.0) {
+            flat.cube.clear();
         }
         if flat.jones.len() < 8 * flat.weight.len() {
             flat.jones.clear();
@@ -124,6 +131,7 @@ impl FlatPaths {
         let (offsets, _) = self.offset.as_chunks::<2>();
         let (deviations, _) = self.deviation.as_chunks::<2>();
         let (jones, _) = self.jones.as_chunks::<8>();
+        let (cubes, _) = self.cube.as_chunks::<9>();
         let mut paths = vec![Vec::new(); directions];
         let mut lowest = 0;
         for (k, &direction) in self.direction.iter().enumerate() {
@@ -168,6 +176,10 @@ impl FlatPaths {
                 jones: jones
                     .get(k)
                     .map(|&[a, b, c, d, e, f, g, h]| [[[a, b], [c, d]], [[e, f], [g, h]]]),
+                cube: cubes
+                    .get(k)
+                    .map(|&[a, b, c, d, e, f, g, h, i]| [[a, b, c], [d, e, f], [g, h, i]])
+                    .filter(|cube| *cube != [[0.0; 3]; 3]),
             });
         }
         let count = self.direction.len();

@@ -85,6 +85,7 @@ pub(crate) fn mirrored_paths(paths: &[Path]) -> Vec<Path> {
             jones: path
                 .jones
                 .map(|[[ss, sp], [ps, pp]]| [[ss, sp.map(|x| -x)], [ps.map(|x| -x), pp]]),
+            cube: path.cube.map(|cube| cube.map(|[u, v, n]| [u, -v, n])),
         }
     };
     paths.iter().map(mirrored).collect()
@@ -106,12 +107,15 @@ mod tests {
             deviation: [3e-3, -2e-3],
             passes: 2,
             jones: Some([[[0.5, 0.25], [0.125, -0.5]], [[0.75, 0.0], [-0.25, 1.0]]]),
+            cube: Some([[1.0, 0.0, 0.0], [0.0, 0.75, 0.5], [0.0, -0.5, 0.75]]),
         };
         let mirrored = &mirrored_paths(std::slice::from_ref(&path))[0];
         assert_eq!(mirrored.deviation, [3e-3, 2e-3]);
         assert_eq!((mirrored.weight, mirrored.passes), (0.75, 2));
         let jones = [[[0.5, 0.25], [-0.125, 0.5]], [[-0.75, 0.0], [-0.25, 1.0]]];
         assert_eq!(mirrored.jones, Some(jones));
+        let cube = [[1.0, 0.0, 0.0], [0.0, -0.75, 0.5], [0.0, 0.5, 0.75]];
+        assert_eq!(mirrored.cube, Some(cube));
         // A positive area means that the corners still run counter-clockwise.
         assert!(path.area() > 0.0);
         assert_eq!(mirrored.area(), path.area());

@@ -44,6 +44,9 @@ pub struct Table {
     /// What light passes before and behind the sheet, which [`Table::direction`] takes into account;
     /// no part of the file.
     pub passage: Option<Passage>,
+    /// Dihedral errors of all cubes beside those of the table, rad, which [`Table::direction`] takes into
+    /// account; no part of the file.
+    pub errors_rad: [f64; 3],
 }
 
 impl Table {
@@ -90,6 +93,7 @@ impl Table {
                 entries: places.iter().map(|&k| found.entries[k].clone()).collect(),
             }),
             passage: self.passage,
+            errors_rad: self.errors_rad,
             provenance: self.provenance.clone(),
         }
     }

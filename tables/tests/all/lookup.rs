@@ -215,6 +215,7 @@ fn between_directions_polygons_follow_snells_law() {
         deviation: [0.0; 2],
         passes: 0,
         jones: None,
+        cube: None,
     };
     let mut table = sample::exact();
     let bins = table.axes.bins;

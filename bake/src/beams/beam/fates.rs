@@ -39,6 +39,9 @@ impl Follower<'_> {
             reflections: course.reflections + 1,
             ..*course
         };
+        if let Some(normal) = onward.normals.get_mut(course.reflections as usize) {
+            *normal = facet.normal;
+        }
         if let Some(light) = &mut onward.light {
             let surface = rules.losses.unwrap_or(Backing::Bare);
             *light = light.reflected(travel, facet.normal, &surface, rules.refractive_index);
@@ -150,6 +153,7 @@ impl Follower<'_> {
         let jones = course
             .light
             .map(|light| light.jones(direction, toward, front));
+        let cube = course.cube();
         let straight = deviation.length() < STRAIGHT;
         let deviation = if straight { DVec2::ZERO } else { deviation };
         self.outcome
@@ -162,6 +166,7 @@ impl Follower<'_> {
                 jones,
                 deviation,
                 passes,
+                cube,
             }));
     }
 

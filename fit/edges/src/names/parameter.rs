@@ -26,6 +26,12 @@ pub enum ParameterKind {
     OwnBlur,
     /// Standard deviation of the direction of the returned light, mrad.
     AngularSpread,
+    /// Error of the dihedral angle at edge 1 of all cubes, mrad.
+    DihedralError1,
+    /// The same at edge 2.
+    DihedralError2,
+    /// The same at edge 3.
+    DihedralError3,
     /// Reflectance mu.
     Mu,
     /// Azimuth that is added to those of the captures, degrees. It has no row in the covariance.
@@ -33,8 +39,15 @@ pub enum ParameterKind {
 }
 
 impl ParameterKind {
+    /// Errors of the dihedral angles, by edge.
+    pub const DIHEDRAL_ERRORS: [ParameterKind; 3] = [
+        ParameterKind::DihedralError1,
+        ParameterKind::DihedralError2,
+        ParameterKind::DihedralError3,
+    ];
+
     /// All kinds of parameters.
-    pub const ALL: [ParameterKind; 9] = [
+    pub const ALL: [ParameterKind; 12] = [
         ParameterKind::CornerSize,
         ParameterKind::SurfaceRoughness,
         ParameterKind::APerMm,
@@ -42,6 +55,9 @@ impl ParameterKind {
         ParameterKind::Roughness,
         ParameterKind::OwnBlur,
         ParameterKind::AngularSpread,
+        ParameterKind::DihedralError1,
+        ParameterKind::DihedralError2,
+        ParameterKind::DihedralError3,
         ParameterKind::Mu,
         ParameterKind::Azimuth,
     ];
@@ -56,6 +72,9 @@ impl ParameterKind {
             ParameterKind::Roughness => "roughness",
             ParameterKind::OwnBlur => "own_blur_px",
             ParameterKind::AngularSpread => "angular_spread_mrad",
+            ParameterKind::DihedralError1 => "dihedral_error_1_mrad",
+            ParameterKind::DihedralError2 => "dihedral_error_2_mrad",
+            ParameterKind::DihedralError3 => "dihedral_error_3_mrad",
             ParameterKind::Mu => "mu",
             ParameterKind::Azimuth => "azimuth_deg",
         }
@@ -139,7 +158,7 @@ impl fmt::Display for ParameterId {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "\"{text}\" is no parameter; write c_mm, a_per_mm, a_times_r, roughness, surface_roughness, \
-    own_blur_px, angular_spread_mrad or mu, with _at_ and the incidence where there is one per \
+    own_blur_px, angular_spread_mrad, dihedral_error_1_mrad (2, 3) or mu, with _at_ and the incidence where there is one per \
     angle"
 )]
 pub struct NoParameter {
@@ -219,7 +238,7 @@ mod tests {
                 cases += 1;
             }
         }
-        assert_eq!(cases, 36);
+        assert_eq!(cases, 48);
         assert_eq!(ParameterKind::APerMm.at(20.0).to_string(), "a_per_mm_at_20");
         for bad in [
             "",

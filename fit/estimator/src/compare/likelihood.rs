@@ -41,7 +41,6 @@ use crate::compare::light::{LIGHT, Lights, Terms, Uneven};
 use crate::compare::likelihood::noise::Weight;
 use crate::compare::likelihood::nuisances::{FIRST_LIGHT, anywhere};
 use crate::compare::pixels::{Bin, Pixels};
-use crate::compare::view::by_further;
 use crate::model::Blur;
 use crate::model::Camera;
 use crate::model::Model;
@@ -127,16 +126,12 @@ impl<'a> Photograph<'a> {
     /// of the camera's lenses, see [`Camera::numbers`].
     pub fn curves(&self, model: Option<(&Model, Blur)>, camera: &Camera, lens: &[usize]) -> Curves {
         let normal_rad = self.pixels.line.normal_rad;
-        let blurs = model.map_or((false, false), |(model, _)| {
-            (model.kernel.has_lobe(), model.kernel.has_c())
-        });
+        let wanted = model.map_or_else(Vec::new, |(model, blur)| model.wanted(blur).collect());
         let n = self.grid.frequencies_per_mm().len();
-        // OTF and its derivatives by ln spread, ln c, and the numbers of the lens.
-        let mut otf = [const { Vec::new() }; 3];
-        let mut by_lens: Vec<Vec<Complex64>> = vec![Vec::new(); lens.len()];
-        for part in otf.iter_mut().chain(&mut by_lens) {
-            part.reserve(n);
-        }
+        // OTF and its derivatives by the blur, and by the numbers of the lens.
+        let mut otf = Vec::with_capacity(n);
+        let mut by_blur = vec![Vec::with_capacity(n); wanted.len()];
+        let mut by_lens = vec![Vec::with_capacity(n); lens.len()];
         let mut slopes = vec![0.0; camera.numbers()];
         let camera = camera.along(normal_rad);
         for f in self.grid.frequencies_per_mm() {
@@ -145,32 +140,26 @@ impl<'a> Photograph<'a> {
             } else {
                 camera.otf_and_slopes(f, &mut slopes)
             };
-            let [value, by_spread, by_c] = match model {
-                Some((model, blur)) if seen.abs() >= 1e-8 => model.otf(blur, f),
-                Some(_) => [0.0.into(); 3],
-                None => [1.0.into(), 0.0.into(), 0.0.into()],
+            let parts = match model {
+                Some((model, blur)) if seen.abs() >= 1e-8 => model.parts(blur, f),
+                Some(_) => [Complex64::ZERO; 8],
+                None => [Complex64::ONE; 8],
             };
-            for (otf, part) in otf.iter_mut().zip([value, by_spread, by_c]) {
-                otf.push(part * seen);
+            otf.push(parts[0] * seen);
+            for (otf, &(part, _)) in by_blur.iter_mut().zip(&wanted) {
+                otf.push(parts[part] * seen);
             }
             for (otf, &number) in by_lens.iter_mut().zip(lens) {
-                otf.push(value * slopes[number]);
+                otf.push(parts[0] * slopes[number]);
             }
         }
-        let [kink, kink_by_spread, kink_by_c] =
-            model.map_or([0.0; 3], |(model, blur)| model.kink(blur));
-        let wanted = [(blurs.0, 1, kink_by_spread), (blurs.1, 2, kink_by_c)];
-        let wanted = wanted.into_iter().filter(|&(is, ..)| is);
-        let by_blur = wanted.map(|(_, part, kink)| self.grid.even(&otf[part], kink));
-        // A further blur does not change the kink at frequency 0.
-        let slopes = model
-            .into_iter()
-            .flat_map(|(model, blur)| model.further_slopes(blur));
-        let further = slopes.map(|own| self.grid.even(&by_further(&self.grid, &otf[0], own), 0.0));
+        let kink = model.map_or(0.0, |(model, blur)| model.kink(blur)[0]);
+        let by_blur = by_blur.iter().zip(&wanted);
+        let by_blur = by_blur.map(|(otf, &(_, kink))| self.grid.even(otf, kink));
         let by_lens = by_lens.iter().map(|otf| self.grid.even(otf, 0.0));
         Curves {
-            value: self.grid.even(&otf[0], kink),
-            by: by_blur.chain(further).chain(by_lens).collect(),
+            value: self.grid.even(&otf, kink),
+            by: by_blur.chain(by_lens).collect(),
         }
     }
 

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::model::Blur;
 use crate::model::Camera;
 use crate::model::Grid;
-use crate::model::{Curve, FurtherSlope, Model};
+use crate::model::{Curve, Model};
 use edges::numerics::fast_length;
 use edges::photographs::Profile;
 use edges::photographs::edge::line::EdgeLine;
@@ -116,36 +116,26 @@ impl View {
     /// Evaluates the model's edge profile behind a camera whose OTF at the grid's frequencies is
     /// given.
     fn behind(&self, camera: &[f64], model: &Model, blur: Blur) -> Curve {
-        let n = camera.len();
-        let mut otf = [const { Vec::new() }; 3];
-        for part in &mut otf {
-            part.reserve(n);
-        }
+        let wanted: Vec<(usize, f64)> = model.wanted(blur).collect();
+        let mut value = Vec::with_capacity(camera.len());
+        let mut slopes = vec![Vec::with_capacity(camera.len()); wanted.len()];
         for (f, &camera) in self.grid.frequencies_per_mm().zip(camera) {
             // Beyond the reach of the camera the model's OTF is not needed.
-            let values = if camera.abs() < 1e-8 {
-                [Complex64::ZERO; 3]
+            let parts = if camera.abs() < 1e-8 {
+                [Complex64::ZERO; 8]
             } else {
-                model.otf(blur, f)
+                model.parts(blur, f)
             };
-            for (part, value) in otf.iter_mut().zip(values) {
-                part.push(value * camera);
+            value.push(parts[0] * camera);
+            for (slope, &(part, _)) in slopes.iter_mut().zip(&wanted) {
+                slope.push(parts[part] * camera);
             }
         }
-        let [value, by_spread, by_c] = &otf;
-        let [kink, kink_by_spread, kink_by_c] = model.kink(blur);
         let bins = |otf: &[Complex64], kink: f64| self.grid.profile(otf, kink, &self.profile);
+        let slopes = slopes.iter().zip(&wanted);
         Curve {
-            bins: bins(value, kink),
-            by_ln_spread: model
-                .kernel
-                .has_lobe()
-                .then(|| bins(by_spread, kink_by_spread)),
-            by_ln_c: model.kernel.has_c().then(|| bins(by_c, kink_by_c)),
-            by_further: model
-                .further_slopes(blur)
-                .map(|slope| bins(&by_further(&self.grid, value, slope), 0.0))
-                .collect(),
+            bins: bins(&value, model.kink(blur)[0]),
+            derivatives: slopes.map(|(otf, &(_, kink))| bins(otf, kink)).collect(),
         }
     }
 
@@ -222,12 +212,6 @@ impl View {
     pub fn pitch_mm(&self) -> f64 {
         self.pitch_mm
     }
-}
-
-/// Returns the derivative of an OTF by the parameter of a further blur.
-pub(crate) fn by_further(grid: &Grid, otf: &[Complex64], slope: FurtherSlope) -> Vec<Complex64> {
-    let frequencies = grid.frequencies_per_mm().zip(otf);
-    frequencies.map(|(f, value)| value * slope.at(f)).collect()
 }
 
 /// Evaluates the OTF of a camera along a normal at the frequencies of a grid.

@@ -404,7 +404,6 @@ fn fitted<'a>(
             let (bound, hint) = hints::hidden(scene, loss, best, unit);
             found.extend(bound);
             hints.extend(hint);
-            hints.extend(hints::spots(scene, table, loss, best, unit));
         }
     }
     let Selection {

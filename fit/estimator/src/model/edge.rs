@@ -26,6 +26,8 @@ pub struct Blur {
     pub own_blur_mm2: f64,
     /// Variance of the direction of the returned light, across the plane of incidence, mrad^2.
     pub angular_spread_mrad2: f64,
+    /// Errors of the dihedral angles at the edges 1, 2 and 3 of all cubes, mrad.
+    pub errors_mrad: [f64; 3],
 }
 
 impl Blur {
@@ -36,50 +38,31 @@ impl Blur {
             c_mm,
             own_blur_mm2: 0.0,
             angular_spread_mrad2: 0.0,
+            errors_mrad: [0.0; 3],
         }
     }
 }
 
-/// Derivative of the logarithm of the OTF by the parameter of a further blur, by frequency.
-#[derive(Debug, Clone, Copy)]
-pub struct FurtherSlope {
-    /// Derivative of the variance along the normal by the parameter.
-    by: f64,
-    /// Variance of a ring along the normal, mm^2; `None` for a Gaussian.
-    ring_mm2: Option<f64>,
+/// OTF at one frequency with its derivatives.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Otf {
+    /// The OTF itself.
+    pub value: Complex64,
+    /// Derivative by ln(spread).
+    pub by_ln_spread: Complex64,
+    /// Derivative by ln(c).
+    pub by_ln_c: Complex64,
+    /// Derivatives by the dihedral errors, 1/mrad; 0 if the model has none.
+    pub by_errors: [Complex64; 3],
 }
 
-impl FurtherSlope {
-    /// Evaluates the derivative at a frequency in 1/mm.
-    pub fn at(self, frequency: f64) -> f64 {
-        let slope = match self.ring_mm2 {
-            Some(variance_mm2) => further::ring_slope(variance_mm2, frequency),
-            None => further::slope(frequency),
-        };
-        self.by * slope
-    }
-}
-
-/// Profile of a model over the bins, with its derivatives by the natural logarithms of spread and
-/// c, and by the variances of further blurs.
+/// Profile of a model over the bins, with its derivatives.
 pub struct Curve {
     /// Mean of the unit edge over each bin.
     pub bins: Vec<f64>,
-    /// Derivative by ln(spread), if the kernel has a lobe.
-    pub by_ln_spread: Option<Vec<f64>>,
-    /// Derivative by ln(c), if the kernel has c.
-    pub by_ln_c: Option<Vec<f64>>,
-    /// Derivatives by the variances of the further blurs that the model has, in the units of
-    /// [`Blur`].
-    pub by_further: Vec<Vec<f64>>,
-}
-
-impl Curve {
-    /// Returns the derivatives in the order of a candidate's columns: spread, c, further blurs.
-    pub fn derivatives(&self) -> impl Iterator<Item = &Vec<f64>> {
-        let kernel = self.by_ln_spread.iter().chain(&self.by_ln_c);
-        kernel.chain(&self.by_further)
-    }
+    /// Derivatives by ln(spread) and ln(c), as far as the kernel has them, and by the parameters of
+    /// the further blurs that the model has, in the units of [`Blur`].
+    pub derivatives: Vec<Vec<f64>>,
 }
 
 /// Blur of one direction along one line: kernel, lobe shape, and the direction's shift or waves.
@@ -91,6 +74,8 @@ pub struct Model<'a> {
     pub shape: LobeShape,
     /// Shift of the direction along the edge normal; `None` only for kernels without a shift.
     pub shift: Option<&'a ShiftLine>,
+    /// The same for cubes with dihedral errors; `None` if the model has no such errors.
+    pub bent: Option<&'a ShiftLine>,
     /// Waves of the direction along the edge normal; `None` only for kernels without waves. The OTF
     /// of a `wave` kernel is NaN without them.
     pub wave: Option<&'a WaveLine>,
@@ -101,7 +86,7 @@ pub struct Model<'a> {
     pub r_mm: f64,
     /// Edge normal in the mid-air image, (tangential, sagittal).
     pub normal: [f64; 2],
-    /// Further blurs by whose variances a fit needs derivatives.
+    /// Further blurs by whose parameters a fit needs derivatives.
     pub further: Further,
     /// Second image of a thick half mirror.
     pub ghost: Option<Ghost>,
@@ -114,8 +99,19 @@ pub struct Model<'a> {
 impl Model<'_> {
     /// Evaluates the OTF of the mid-air image at `frequency` (1/mm) along the normal, and its
     /// derivatives by ln(spread) and ln(c).
-    pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
-        let [sheet, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);
+    pub fn otf(&self, blur: Blur, frequency: f64) -> Otf {
+        let (sheet, by_ln_c, by_errors) = match self.bent {
+            Some(line) => {
+                let errors_rad = blur.errors_mrad.map(|error| 1e-3 * error);
+                let at = [blur.c_mm, self.r_mm];
+                let [value, by_c, by_errors @ ..] = line.otf_with_errors(at, errors_rad, frequency);
+                (value, by_c * blur.c_mm, by_errors.map(|by| by * 1e-3))
+            }
+            None => {
+                let [value, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);
+                (value, by_ln_c, [Complex64::ZERO; 3])
+            }
+        };
         let [lobe, by_ln_spread] = self.lobe_otf(blur.spread, frequency);
         let mut others = Complex64::from(self.further_otf(blur, frequency));
         if let Some(ghost) = self.ghost {
@@ -124,43 +120,78 @@ impl Model<'_> {
         if let Some(haze) = self.haze {
             others *= haze.otf(self.r_mm, frequency);
         }
-        [sheet * lobe, sheet * by_ln_spread, by_ln_c * lobe].map(|part| part * others)
+        Otf {
+            value: sheet * lobe * others,
+            by_ln_spread: sheet * by_ln_spread * others,
+            by_ln_c: by_ln_c * lobe * others,
+            by_errors: by_errors.map(|by| by * lobe * others),
+        }
     }
 
     /// Evaluates the factor of the OTF by the further blurs.
     fn further_otf(&self, blur: Blur, frequency: f64) -> f64 {
-        if blur.angular_spread_mrad2 == 0.0 {
-            return further::otf(blur.own_blur_mm2, frequency);
-        }
-        let spread_mm2 = blur.angular_spread_mrad2 * self.variance_per_mrad2();
-        if self.further.is_ring {
-            further::otf(blur.own_blur_mm2, frequency) * further::ring(spread_mm2, frequency)
-        } else {
-            further::otf(blur.own_blur_mm2 + spread_mm2, frequency)
-        }
+        let [_, by_spread] = self.variances();
+        let variance_mm2 = blur.own_blur_mm2 + blur.angular_spread_mrad2 * by_spread;
+        further::otf(variance_mm2, frequency)
     }
 
-    fn variance_per_mrad2(&self) -> f64 {
-        further::variance_per_mrad2(self.r_mm, self.normal, self.tangential_gain)
+    /// Returns the derivatives of the variance along the normal by the own blur and the angular
+    /// spread.
+    fn variances(&self) -> [f64; 2] {
+        [
+            1.0,
+            further::variance_per_mrad2(self.r_mm, self.normal, self.tangential_gain),
+        ]
     }
 
-    /// Returns the derivatives of the logarithm of the OTF by the parameters of the further blurs
-    /// that the model has.
-    pub fn further_slopes(&self, blur: Blur) -> impl Iterator<Item = FurtherSlope> + use<> {
-        let own = self.further.own_blur.then_some(FurtherSlope {
-            by: 1.0,
-            ring_mm2: None,
-        });
-        let angular = self.further.angular_spread;
-        let angular = angular.then(|| {
-            let by = self.variance_per_mrad2();
-            let ring = self.further.is_ring;
-            FurtherSlope {
-                by,
-                ring_mm2: ring.then_some(blur.angular_spread_mrad2 * by),
-            }
-        });
-        own.into_iter().chain(angular)
+    /// Returns the derivatives of the logarithm of the OTF by the variances of own blur and angular
+    /// spread at a frequency in 1/mm.
+    pub fn further_slopes(&self, frequency: f64) -> [f64; 2] {
+        self.variances().map(|by| by * further::slope(frequency))
+    }
+
+    /// Evaluates the OTF at a frequency in 1/mm, and its derivatives by ln(spread), ln(c), the variances
+    /// of own blur and angular spread, and the dihedral errors.
+    pub(crate) fn parts(&self, blur: Blur, frequency: f64) -> [Complex64; 8] {
+        let otf = self.otf(blur, frequency);
+        let [e1, e2, e3] = otf.by_errors;
+        let [own, spread] = self
+            .further_slopes(frequency)
+            .map(|slope| otf.value * slope);
+        [
+            otf.value,
+            otf.by_ln_spread,
+            otf.by_ln_c,
+            own,
+            spread,
+            e1,
+            e2,
+            e3,
+        ]
+    }
+
+    /// Returns the indices of those derivatives of [`Model::parts`] by which a fit varies the model, each
+    /// with the kink of the derivative.
+    pub(crate) fn wanted(&self, blur: Blur) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let [_, by_spread, by_c] = self.kink(blur);
+        let Further {
+            own_blur,
+            angular_spread,
+            common_errors,
+        } = self.further;
+        // Further blurs do not change the kink at frequency 0.
+        [
+            (self.kernel.has_lobe(), by_spread),
+            (self.kernel.has_c(), by_c),
+            (own_blur, 0.0),
+            (angular_spread, 0.0),
+            (common_errors, 0.0),
+            (common_errors, 0.0),
+            (common_errors, 0.0),
+        ]
+        .into_iter()
+        .enumerate()
+        .filter_map(|(part, (is_wanted, kink))| is_wanted.then_some((part + 1, kink)))
     }
 
     /// Evaluates the factor of the OTF that depends on c (shift, waves or a rough front), and its

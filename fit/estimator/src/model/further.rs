@@ -1,6 +1,6 @@
-//! Gaussian blurs that a model may have beside its kernel.
+//! Blurs that a model may have beside its kernel: two Gaussian ones, and dihedral errors.
 //!
-//! Both multiply the OTF by exp(-2 pi^2 f^2 V), where V is a variance in the plane of the mid-air
+//! The Gaussian ones multiply the OTF by exp(-2 pi^2 f^2 V), where V is a variance in the plane of the mid-air
 //! image, along the direction of the frequency:
 //!
 //! ```text
@@ -26,13 +26,9 @@
 //!
 //! The light of a cell is displaced by R times its deviation, in the plane across the viewing ray.
 //!
-//! Errors that all cells share send the light to six spots, two by two opposite, whose places depend
-//! on the three errors. Where they are unknown, the spots are taken as a ring with the same variance
-//! V along each axis: its OTF is J_0(2 pi f sqrt(2 V)). For three equal errors at normal incidence
-//! the spots are a regular hexagon, whose OTF is that of the ring to the fifth order of f. The ring
-//! is tried where a Gaussian was found, for its errors, and where nothing else describes the
-//! photographs, to name the cause. It leaves out that each path has its own spot and its own part of
-//! the ray shift, which moves c in proportion to the error: tables with such errors have both.
+//! Dihedral errors that all cubes share are no such factor: each order of the facets has its own spot
+//! and its own part of the ray shift. So c moves in proportion to the errors. The OTF is that of
+//! [`tables::ShiftLine::with_errors`], with one error for each edge of the cube.
 
 use std::f64::consts::PI;
 
@@ -43,8 +39,8 @@ pub struct Further {
     pub own_blur: bool,
     /// True for a spread of the direction of the returned light.
     pub angular_spread: bool,
-    /// True if this spread is a ring in place of a Gaussian.
-    pub is_ring: bool,
+    /// True for errors of the dihedral angles that all cubes share.
+    pub common_errors: bool,
 }
 
 impl Further {
@@ -52,12 +48,31 @@ impl Further {
     pub const NONE: Further = Further {
         own_blur: false,
         angular_spread: false,
-        is_ring: false,
+        common_errors: false,
     };
 
-    /// Returns the number of blurs, each of which has one parameter.
+    /// Returns the number of parameters.
     pub fn count(self) -> usize {
-        usize::from(self.own_blur) + usize::from(self.angular_spread)
+        let variances = usize::from(self.own_blur) + usize::from(self.angular_spread);
+        variances + 3 * usize::from(self.common_errors)
+    }
+
+    /// Returns the blurs of both.
+    pub fn and(self, other: Further) -> Further {
+        Further {
+            own_blur: self.own_blur || other.own_blur,
+            angular_spread: self.angular_spread || other.angular_spread,
+            common_errors: self.common_errors || other.common_errors,
+        }
+    }
+
+    /// Returns the blurs that the other does not have.
+    pub fn without(self, other: Further) -> Further {
+        Further {
+            own_blur: self.own_blur && !other.own_blur,
+            angular_spread: self.angular_spread && !other.angular_spread,
+            common_errors: self.common_errors && !other.common_errors,
+        }
     }
 }
 
@@ -94,58 +109,9 @@ pub fn slope(frequency: f64) -> f64 {
     -2.0 * (PI * frequency).powi(2)
 }
 
-/// Evaluates the OTF of a ring with the variance V along each axis, mm^2, at a frequency in 1/mm. For
-/// a variance below 0, which a solver may try, it is that of a Gaussian.
-pub fn ring(variance_mm2: f64, frequency: f64) -> f64 {
-    if variance_mm2 <= 0.0 {
-        return otf(variance_mm2, frequency);
-    }
-    libm::j0(2.0 * PI * frequency * (2.0 * variance_mm2).sqrt())
-}
-
-/// Returns the derivative of the logarithm of [`ring`] by the variance, 1/mm^2. Beside a zero of the
-/// ring it is limited, so that its product with the OTF is too small there.
-pub fn ring_slope(variance_mm2: f64, frequency: f64) -> f64 {
-    const NEAR_ZERO: f64 = 1e-3;
-    if variance_mm2 <= 0.0 {
-        return slope(frequency);
-    }
-    let x = 2.0 * PI * frequency * (2.0 * variance_mm2).sqrt();
-    let value = libm::j0(x);
-    -libm::j1(x) * x / (2.0 * variance_mm2) / value.abs().max(NEAR_ZERO).copysign(value)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Compares the ring with the mean over six spots of a hexagon. By the expansion of Jacobi and
-    /// Anger they differ by 2 J_6(x) at most, with x = 2 pi f r, and J_6 is below (x/2)^6 / 720. The
-    /// third derivative by the variance is below 0.1, so differences err by 1e-9 / 6.
-    #[test]
-    fn a_ring_is_a_hexagon_of_spots() {
-        let (variance, step) = (0.5_f64, 1e-4);
-        let radius = (2.0 * variance).sqrt();
-        let mut cases = 0;
-        for turn in [0.0, 0.2, 0.5] {
-            for f in [0.02, 0.08, 0.17] {
-                let spot = |k: f64| (2.0 * PI * f * radius * (turn + k * PI / 3.0).cos()).cos();
-                let spots = (0..6).map(|k| spot(f64::from(k))).sum::<f64>() / 6.0;
-                let found = ring(variance, f);
-                let differ = (PI * f * radius).powi(6) / 360.0 + 1e-15;
-                assert!((found - spots).abs() < differ, "{f} {turn}");
-                let [low, high] = [-step, step].map(|by| ring(variance + by, f));
-                let slope = (high - low) / (2.0 * step);
-                assert!(
-                    (ring_slope(variance, f) * found - slope).abs() < 1e-9,
-                    "{f}"
-                );
-                cases += 1;
-            }
-        }
-        assert_eq!(cases, 9);
-        assert_eq!(ring_slope(-0.1, 0.3), slope(0.3));
-    }
 
     /// At normal incidence and for hollow cubes the spread is round. At 40 degrees and an index of
     /// 1.49 the ratio by hand is cos(25.557 deg) / cos(40 deg) = 0.90215 / 0.76604 = 1.17768, whose

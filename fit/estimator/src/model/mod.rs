@@ -20,7 +20,7 @@ pub use baseline::Baseline;
 pub use baseline::{fresnel, returned};
 pub use camera::{Camera, Lens};
 pub use departure::Departure;
-pub use edge::{Blur, Curve, FurtherSlope, Model};
+pub use edge::{Blur, Curve, Model, Otf};
 pub(crate) use exits::ExitBins;
 pub use further::Further;
 pub use lobe::{CUT, Lobe, microfacet};

@@ -70,10 +70,9 @@ impl Line {
                 baseline: self.baseline,
                 r_mm,
                 normal: self.normal,
-                further: Further {
-                    angular_spread: self.blur.angular_spread_mrad2 > 0.0,
-                    ..Further::NONE
-                },
+                // Errors of the cubes are part of the directions.
+                bent: None,
+                further: Further::NONE,
                 ghost: self.stray.ghost,
                 haze: self.stray.haze,
                 tangential_gain: self.tangential_gain,
@@ -116,18 +115,18 @@ const SLOPE_STEP: f64 = 1e-4;
 impl Curve<'_> {
     /// Evaluates the MTF at a frequency, 1/mm.
     pub(crate) fn mtf(&self, frequency_per_mm: f64) -> f64 {
-        self.model.otf(self.blur, frequency_per_mm)[0].norm()
+        self.model.otf(self.blur, frequency_per_mm).value.norm()
     }
 
     /// Evaluates the MTF at a frequency, 1/mm, with its derivatives.
     pub(crate) fn derived(&self, frequency_per_mm: f64) -> Derived {
-        let [otf, by_ln_spread, by_ln_c] = self.model.otf(self.blur, frequency_per_mm);
-        let value = otf.norm();
+        let otf = self.model.otf(self.blur, frequency_per_mm);
+        let value = otf.value.norm();
         let slope = |by: Complex64| {
             if by == Complex64::ZERO || value == 0.0 {
                 0.0
             } else {
-                (otf.conj() * by).re / value
+                (otf.value.conj() * by).re / value
             }
         };
         let own = |by: Complex64, parameter: f64| match slope(by) {
@@ -135,15 +134,14 @@ impl Curve<'_> {
             slope => slope / parameter,
         };
         // The derivative by the variance, times that of the variance by the spread.
-        let slopes = self.model.further_slopes(self.blur);
-        let by_variance: f64 = slopes.map(|slope| slope.at(frequency_per_mm)).sum();
+        let [_, by_variance] = self.model.further_slopes(frequency_per_mm);
         let spread_mrad = self.blur.angular_spread_mrad2.sqrt();
         let by_angular = value * by_variance * 2.0 * spread_mrad;
         Derived {
             value,
             by_blur: [
-                own(by_ln_spread, self.blur.spread),
-                own(by_ln_c, self.blur.c_mm),
+                own(otf.by_ln_spread, self.blur.spread),
+                own(otf.by_ln_c, self.blur.c_mm),
                 by_angular,
             ],
         }

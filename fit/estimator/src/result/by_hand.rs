@@ -110,6 +110,7 @@ impl ByHand {
             surface_roughness: None,
             own_blur_px: None,
             angular_spread_mrad: None,
+            dihedral_errors_mrad: None,
             mu: self.mu.map(shared),
             azimuth_deg: None,
             covariance: Covariance {

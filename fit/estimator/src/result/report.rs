@@ -58,6 +58,9 @@ pub struct Candidate {
     /// True if the model has an angular spread.
     #[serde(default, skip_serializing_if = "is_false")]
     pub angular_spread: bool,
+    /// True if the model has dihedral errors that all cubes share.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub dihedral_errors: bool,
     /// Sum of squares of the residuals in units of their noise, with correlations removed.
     pub loss: f64,
     /// Count of parameters of the blur.
@@ -135,6 +138,11 @@ pub struct ResultFile {
     /// It is absent if the photographs do not ask for it; `bounds` then has a bound.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angular_spread_mrad: Option<Number>,
+    /// Errors of the dihedral angles at the edges 1, 2 and 3 of all cubes, mrad.
+    ///
+    /// They are absent if the photographs do not ask for them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dihedral_errors_mrad: Option<[Number; 3]>,
     /// Reflectance mu; null without a reference photograph.
     pub mu: Option<Parameter>,
     /// Angle that `--fit-azimuth` added to the captures' azimuths, degrees; absent without this
@@ -230,6 +238,10 @@ impl ResultFile {
             angular_spread_mrad: best
                 .angular_spread_mrad
                 .map(|own| written.number(ParameterKind::AngularSpread.shared(), own)),
+            dihedral_errors_mrad: best.dihedral_errors_mrad.map(|errors| {
+                let kinds = ParameterKind::DIHEDRAL_ERRORS;
+                [0, 1, 2].map(|k| written.number(kinds[k].shared(), errors[k]))
+            }),
             mu: best
                 .mu
                 .as_ref()
@@ -275,14 +287,17 @@ impl ResultFile {
     ///
     /// # Errors
     /// Returns [`tables::Error::Polarised`] if the light is polarised, and the table does not say
-    /// how its cubes turn it, and an error that names the keys of the setup if no light passes it.
+    /// how its cubes turn it, [`tables::Error::Cubeless`] if the cubes have errors, and the table does
+    /// not say which cubes its paths belong to, and an error that names the keys of the setup if no
+    /// light passes it.
     pub fn seen<'a>(&self, table: &'a Table) -> Result<Cow<'a, Table>, Error> {
         let in_mirror = self.seen_in_mirror.unwrap_or(true);
-        Ok(polarised::seen(
-            table,
-            self.polarisation.as_ref(),
-            in_mirror,
-        )?)
+        let seen = polarised::seen(table, self.polarisation.as_ref(), in_mirror)?;
+        let Some(errors) = self.dihedral_errors_mrad else {
+            return Ok(seen);
+        };
+        let errors_rad = errors.map(|error| 1e-3 * error.value.unwrap_or(0.0));
+        Ok(Cow::Owned(seen.into_owned().bent(errors_rad)?))
     }
 }
 
@@ -358,12 +373,19 @@ fn candidate(row: &Ranked) -> Candidate {
         criterion: row.criterion,
         own_blur: row.choice.further.own_blur,
         angular_spread: row.choice.further.angular_spread,
+        dihedral_errors: row.choice.further.common_errors,
         loss: row.chi2,
         parameters: row.parameters,
     }
 }
 
 impl ResultFile {
+    /// Returns the dihedral error at each edge.
+    pub fn dihedral_errors(&self) -> [Option<Parameter>; 3] {
+        let errors = self.dihedral_errors_mrad;
+        [0, 1, 2].map(|k| errors.map(|errors| Parameter::Shared(errors[k])))
+    }
+
     /// Returns the number of photographs whose exposure comes from Exif data.
     pub fn exposures_from_exif(&self) -> usize {
         let captures = self.captures.iter();

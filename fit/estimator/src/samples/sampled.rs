@@ -221,12 +221,12 @@ impl Sampled {
             profile.bridge(&mut bins);
             bins
         };
+        // No samples are drawn for further blurs.
+        let by_spread = kernel.has_lobe().then(|| part(2, scale[1]));
+        let by_c = kernel.has_c().then(|| part(1, -scale[0]));
         Curve {
             bins: part(0, 1.0),
-            by_ln_spread: kernel.has_lobe().then(|| part(2, scale[1])),
-            by_ln_c: kernel.has_c().then(|| part(1, -scale[0])),
-            // No samples are drawn for further blurs.
-            by_further: Vec::new(),
+            derivatives: by_spread.into_iter().chain(by_c).collect(),
         }
     }
 

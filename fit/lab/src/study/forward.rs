@@ -253,9 +253,7 @@ fn gradient(scene: &Scene, layout: &Layout, at: &DVector<f64>) -> DVector<f64> {
         .map(|shot| {
             let view = &shot.view;
             let curve = curve(shot, None, layout.choice, layout.blur(at, shot.group));
-            let by = curve.by_ln_spread.iter().chain(&curve.by_ln_c);
-            let by: Vec<Vec<f64>> = by.cloned().collect();
-            let (modelled, slopes) = view.predict(&curve.bins, &by);
+            let (modelled, slopes) = view.predict(&curve.bins, &curve.derivatives);
             let slope = |slope: &Vec<f64>| {
                 let terms = modelled.iter().zip(&view.mtf.modulus).zip(slope);
                 let sum: f64 = terms.map(|((m, d), s)| 2.0 * (m - d) * s).sum();

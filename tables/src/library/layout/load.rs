@@ -72,6 +72,7 @@ pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Erro
         deviations: None,
         provenance,
         passage: None,
+        errors_rad: [0.0; 3],
     };
     if root.has(names::COUNTS.name) || root.has(names::FATE_COUNTS.name) {
         let r = root.randomisations()?;

@@ -143,6 +143,8 @@ pub(crate) mod exact {
     pub(crate) const FIELD_OUT: Dimension = Dimension("field_out");
     pub(crate) const FIELD_IN: Dimension = Dimension("field_in");
     pub(crate) const COMPLEX_PART: Dimension = Dimension("complex_part");
+    pub(crate) const PLANE: Dimension = Dimension("plane");
+    pub(crate) const NORMAL_AXIS: Dimension = Dimension("normal_axis");
     pub(crate) const GROUP: &str = "exact";
     pub(crate) const ENTRANCE_AREA: &str = "entrance_area";
     pub(crate) const PATH_DIRECTION: &str = "path_direction";
@@ -152,6 +154,7 @@ pub(crate) mod exact {
     pub(crate) const PATH_DEVIATION: &str = "path_deviation";
     pub(crate) const PATH_PASSES: &str = "path_passes";
     pub(crate) const PATH_JONES: &str = "path_jones";
+    pub(crate) const PATH_CUBE: &str = "path_cube";
     pub(crate) const POLYGON_START: &str = "polygon_start";
     pub(crate) const POLYGON_VERTEX: &str = "polygon_vertex";
 }

@@ -30,6 +30,7 @@ pub(crate) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Err
     let passes = optional::<u64>(&place, exact::PATH_PASSES, &pair[..1])?;
     let complex = [Some(count), Some(2), Some(2), Some(2)];
     let jones = optional::<f64>(&place, exact::PATH_JONES, &complex)?;
+    let cube = optional::<f64>(&place, exact::PATH_CUBE, &[Some(count), Some(3), Some(3)])?;
     let (vertex, _) = place.flat::<f64>(exact::POLYGON_VERTEX, &[None, Some(2)])?;
     let flat = FlatPaths {
         direction,
@@ -39,6 +40,7 @@ pub(crate) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Err
         deviation,
         passes,
         jones,
+        cube,
         start,
         vertex,
     };

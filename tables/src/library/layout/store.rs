@@ -159,6 +159,10 @@ fn polygons(found: &Exact, file: &File) -> Result<()> {
             [exact::FIELD_OUT, exact::FIELD_IN, exact::COMPLEX_PART].map(|axis| (axis, 2));
         group.array(exact::PATH_JONES, &flat.jones, &[path, out, inward, part])?;
     }
+    if !flat.cube.is_empty() {
+        let [plane, axis] = [exact::PLANE, exact::NORMAL_AXIS].map(|axis| (axis, 3));
+        group.array(exact::PATH_CUBE, &flat.cube, &[path, plane, axis])?;
+    }
     group.array(
         exact::POLYGON_START,
         &flat.start,

@@ -40,6 +40,7 @@ fn path(tau: [f64; 2], turn: f64) -> Option<Path> {
         deviation: [0.0; 2],
         passes: 0,
         jones: None,
+        cube: None,
     })
 }
 
@@ -310,6 +311,7 @@ fn point_mirror(polygon: Vec<[f64; 2]>) -> Path {
         deviation: [0.0; 2],
         passes: 0,
         jones: None,
+        cube: None,
     }
 }
 

@@ -26,6 +26,7 @@ fn cube() -> Direction {
             deviation: [0.0; 2],
             passes: 0,
             jones: None,
+            cube: None,
         }
     };
     Direction {

@@ -1,7 +1,7 @@
 //! The check of the polygons of an exact table.
 
 use crate::table::check::{FARTHEST, Invalid, SUM, broken, most, shape, within};
-use crate::table::exact::{Exact, Path};
+use crate::table::exact::{Cube, Exact, Path};
 use crate::table::flat::FlatPaths;
 use crate::table::table::Table;
 
@@ -11,6 +11,9 @@ use crate::table::table::Table;
 /// stand for has 14,000 with 1,536 facets, and 19,000 with 2,048, the most that the exact method
 /// takes.
 const MOST_PATHS: usize = 1 << 15;
+
+/// Greatest product of two normals of a cube; `bake` takes planes for a cube's up to half of it.
+const MOST_SKEW: f64 = 0.2;
 
 /// Greatest number of corners of a polygon. Those of all designs have up to 9.
 const MOST_CORNERS: usize = 64;
@@ -34,6 +37,15 @@ fn cover(path: &Path, range: f64) -> f64 {
         (high - low).max(0.0) / (2.0 * range)
     };
     side(0) * side(1)
+}
+
+/// Returns whether planes are a cube's: their normals are unit vectors at right angles within
+/// [`MOST_SKEW`].
+fn is_cube(cube: &Cube) -> bool {
+    let dot = |a: usize, b: usize| -> f64 { (0..3).map(|k| cube[a][k] * cube[b][k]).sum() };
+    let pairs = (0..3).flat_map(|a| (0..=a).map(move |b| (a, b)));
+    let off = |(a, b)| dot(a, b) - f64::from(u8::from(a == b));
+    pairs.map(off).all(|off| off.abs() <= MOST_SKEW)
 }
 
 /// Checks the polygons of an exact table: numbers, corners, areas, and their sum against eta.
@@ -67,6 +79,7 @@ pub(super) fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
     within("path_offset", &flat.offset, "-1e6 to 1e6", bounded)?;
     within("path_deviation", &flat.deviation, "-1e6 to 1e6", bounded)?;
     within("path_jones", &flat.jones, "-1e6 to 1e6", bounded)?;
+    within("path_cube", &flat.cube, "-2 to 2", |x| x.abs() <= 2.0)?;
     within("path_weight", &flat.weight, "0 to 1", |x| {
         (0.0..=1.0).contains(&x)
     })?;
@@ -74,6 +87,9 @@ pub(super) fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
     for (direction, paths) in exact.paths.iter().enumerate() {
         let mut returned = 0.0;
         for (index, path) in paths.iter().enumerate() {
+            if path.cube.is_some_and(|cube| !is_cube(&cube)) {
+                broken!("path_cube {index} of direction {direction} has planes that are no cube's");
+            }
             let area = crate::table::polygon::area(&path.polygon);
             // Rounding may give a sliver an area just below 0.
             if path.polygon.len() < 3 || area < -SUM * exact.entrance_area {

@@ -245,6 +245,7 @@ pub(crate) fn exact() -> Table {
                 deviation: [1e-3 * numbers.unit(), -1e-3 * numbers.unit()],
                 passes: 0,
                 jones: None,
+                cube: None,
             });
             eta[at] += (0.5 + 0.25 - 0.125 - 0.125 + 0.125) * size * size;
         }
@@ -272,6 +273,7 @@ pub(crate) fn exact() -> Table {
         }),
         provenance,
         passage: None,
+        errors_rad: [0.0; 3],
     }
 }
 

@@ -1,5 +1,7 @@
 //! The table's direction for a photograph, projected on the photograph's edge normal.
 
+use std::sync::{Arc, OnceLock};
+
 use tables::Direction;
 
 use crate::model::baseline;
@@ -38,6 +40,12 @@ pub struct ProjectedDirection {
     pub refractive_index: f64,
     /// Shift along the edge normal.
     pub shift: Option<ShiftLine>,
+    /// The same for cubes with dihedral errors, made when a fit first asks for it.
+    bent: OnceLock<Option<ShiftLine>>,
+    /// The direction itself, without its bins.
+    direction: Arc<Direction>,
+    /// Edge normal in the mid-air image, (tangential, sagittal).
+    normal: [f64; 2],
     /// Waves along the edge normal, or the reason why there are none.
     pub wave: Result<WaveLine, wave::Fault>,
 }
@@ -75,8 +83,21 @@ impl ProjectedDirection {
             incidence_rad,
             refractive_index,
             shift: ShiftLine::new(direction, incidence_rad, normal),
+            bent: OnceLock::new(),
+            direction: Arc::new(direction.without_bins()),
+            normal,
             wave: wave::line(direction, incidence_rad, normal, spectrum),
         }
+    }
+
+    /// Returns the shift of cubes with dihedral errors along the edge normal; `None` if the table does
+    /// not say which cubes its paths belong to.
+    pub fn bent(&self) -> Option<&ShiftLine> {
+        let line = || {
+            let (theta, index) = (self.incidence_rad, self.refractive_index);
+            ShiftLine::with_errors(&self.direction, theta, self.normal, index)
+        };
+        self.bent.get_or_init(line).as_ref()
     }
 
     /// Returns the projection of a direction without light. The lines have no meaning there

@@ -20,7 +20,7 @@ pub struct Compared {
     pub modelled: Vec<f64>,
     /// Differences of the modelled and the measured MTF, without weights.
     pub difference: Vec<f64>,
-    /// Derivatives of the MTF by ln spread, ln c and the variances of further blurs, as far as the
+    /// Derivatives of the MTF by ln spread, ln c and the parameters of further blurs, as far as the
     /// candidate has them.
     pub derivatives: Vec<Vec<f64>>,
 }
@@ -31,6 +31,9 @@ pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
         kernel: choice.kernel,
         shape: choice.shape,
         shift: shot.direction.shift.as_ref(),
+        bent: (choice.further.common_errors)
+            .then(|| shot.direction.bent())
+            .flatten(),
         wave: shot.direction.wave.as_ref().ok(),
         baseline: Baseline::new(
             choice.kernel,
@@ -69,8 +72,7 @@ pub fn curve(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur)
 /// Compares a photograph's MTF with that of a model. [`curve`] explains `camera`.
 pub fn compare(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur) -> Compared {
     let curve = curve(shot, camera, choice, blur);
-    let by: Vec<Vec<f64>> = curve.derivatives().cloned().collect();
-    let (modelled, derivatives) = shot.view.predict(&curve.bins, &by);
+    let (modelled, derivatives) = shot.view.predict(&curve.bins, &curve.derivatives);
     let difference: Vec<f64> = modelled
         .iter()
         .zip(&shot.view.mtf.modulus)

@@ -199,7 +199,7 @@ impl Linear<'_> {
         let mut eta_error = DMatrix::<f64>::zeros(groups, scene.groups.len());
         for (i, (shot, part)) in scene.shots.iter().zip(self.parts).enumerate() {
             let (g, share) = (layout.mu_group(shot.group), shares[i]);
-            let changes = part.curve.derivatives();
+            let changes = part.curve.derivatives.iter();
             for (column, change) in layout.columns(shot.group).into_iter().zip(changes) {
                 by_blur[(g, column)] += share * contrasts[i].relative_change(change);
             }

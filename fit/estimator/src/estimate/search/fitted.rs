@@ -40,12 +40,15 @@ pub struct Estimate {
     /// Standard deviation of the direction of the returned light across the plane of incidence,
     /// mrad; `None` if the candidate has no such spread.
     pub angular_spread_mrad: Option<Value>,
+    /// Errors of the dihedral angles at the edges 1, 2 and 3 of all cubes, mrad; `None` if the
+    /// candidate has no such errors.
+    pub dihedral_errors_mrad: Option<[Value; 3]>,
     /// Reflectance mu, one value or one per incidence; `None` without a reference photograph.
     pub mu: Option<Vec<Value>>,
     /// Differences between the light of the photographs and that which mu gives; `None` like mu.
     pub scatter: Option<Scatter>,
     /// Parameters in the order of the covariance's rows: c, the spreads, own blur, angular spread,
-    /// mu.
+    /// dihedral errors, mu.
     pub parameters: Vec<ParameterId>,
     /// Derivatives of the values by the coordinates in which the problem is about linear: the
     /// solver's parameters, and ln mu.
@@ -94,11 +97,13 @@ impl Estimate {
     pub fn values(&self) -> impl Iterator<Item = &Value> {
         let kernel = self.c_mm.iter().chain(&self.spread);
         let further = self.own_blur_px.iter().chain(&self.angular_spread_mrad);
+        let further = further.chain(self.dihedral_errors_mrad.iter().flatten());
         kernel.chain(further).chain(self.mu.iter().flatten())
     }
 
     /// Returns the coordinates in which the problem is about linear, in the order of `parameters`:
-    /// the logarithms of c, the spreads and mu, and the variances of further blurs.
+    /// the logarithms of c, the spreads and mu, and the variances of further blurs, and the
+    /// dihedral errors.
     pub fn coordinates(&self) -> Vec<f64> {
         let further = self.kernel_parameters()..self.blur_parameters();
         let values = self.values().enumerate();
@@ -141,6 +146,7 @@ impl Estimate {
         let kernel = self.c_mm.iter_mut().chain(&mut self.spread);
         let own = &mut self.own_blur_px;
         let further = own.iter_mut().chain(&mut self.angular_spread_mrad);
+        let further = further.chain(self.dihedral_errors_mrad.iter_mut().flatten());
         kernel.chain(further).chain(self.mu.iter_mut().flatten())
     }
 
@@ -237,6 +243,10 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         spread: (kernel - layout.spreads..kernel).map(value).collect(),
         own_blur_px: layout.own_blur().map(value),
         angular_spread_mrad: layout.angular_spread().map(value),
+        dihedral_errors_mrad: match layout.common_errors() {
+            errors if errors.is_empty() => None,
+            errors => Some([0, 1, 2].map(|k| value(errors.start + k))),
+        },
         mu: mu.map(|mu| (p..p + mu.len()).map(value).collect()),
         scatter,
         chi2,
@@ -287,6 +297,11 @@ impl Named {
                 values.push(value);
                 slopes.push(slope);
             }
+        }
+        for (column, kind) in layout.common_errors().zip(ParameterKind::DIHEDRAL_ERRORS) {
+            parameters.push(kind.shared());
+            values.push(at[column]);
+            slopes.push(1.0);
         }
         Named {
             parameters,

@@ -95,14 +95,13 @@ pub(crate) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
 /// Returns a candidate with each set of further blurs that it may have.
 fn opened(scene: &Scene, choice: Choice) -> impl Iterator<Item = Choice> + use<> {
     let possible = possible(scene, choice.kernel);
-    let open = TRIED.into_iter().filter(move |own| {
-        own.own_blur <= possible.own_blur && own.angular_spread <= possible.angular_spread
-    });
+    let open = TRIED.into_iter();
+    let open = open.filter(move |own| own.without(possible) == Further::NONE);
     open.map(move |further| Choice { further, ..choice })
 }
 
-/// Sets of further blurs that are tried, in the order of preference among equals.
-pub(super) const TRIED: [Further; 3] = [
+/// Single further blurs.
+pub(super) const SINGLE: [Further; 3] = [
     Further {
         own_blur: true,
         ..Further::NONE
@@ -112,11 +111,32 @@ pub(super) const TRIED: [Further; 3] = [
         ..Further::NONE
     },
     Further {
-        own_blur: true,
-        angular_spread: true,
-        is_ring: false,
+        common_errors: true,
+        ..Further::NONE
     },
 ];
+
+/// Sets of further blurs that are tried, in the order of preference among equals.
+const TRIED: [Further; 6] = {
+    let [own_blur, angular_spread, common_errors] = SINGLE;
+    [
+        own_blur,
+        angular_spread,
+        Further {
+            own_blur: true,
+            ..angular_spread
+        },
+        common_errors,
+        Further {
+            angular_spread: true,
+            ..common_errors
+        },
+        Further {
+            own_blur: true,
+            ..common_errors
+        },
+    ]
+};
 
 /// Criteria of candidates of one selection.
 struct Criteria {

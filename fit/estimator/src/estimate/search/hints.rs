@@ -1,35 +1,29 @@
 //! Further blurs that a fit leaves open: those that the photographs hint at, the bound of a hidden
 //! spread, and the shape of one that was found.
 //!
-//! A blur that differs from 0 by [`HINT`] errors, and not by what the criterion asks for, is not
-//! taken. It may still have moved c by several stated errors, because c and a blur look alike: a step
+//! A blur that differs from 0 by three errors, and not by what the criterion asks for, is not taken. It may still have moved c by several stated errors, because c and a blur look alike: a step
 //! along the blur tells by how much. Then the errors include this step, and a warning names it. The
 //! estimate stays, so photographs without a further blur lose nothing but the stated errors of one
 //! campaign in some hundred.
-//!
-//! An angular spread is a Gaussian, where errors that all cells share send the light to six spots.
-//! Small, the two look alike. Larger, the ring in place of the spots (see `crate::model::further`)
-//! gives another a. Unless its sum of squares is worse by [`CLEAR`], the errors include the
-//! difference of the two estimates.
 
 use nalgebra::{DMatrix, DVector};
-use tables::Table;
 
 use crate::estimate::scene::Scene;
 use crate::estimate::search::bound::{Bound, CONFIDENCE, rise_below};
 use crate::estimate::search::fitted::{Estimate, estimate};
-use crate::estimate::search::further::{TRIED, fitted};
+use crate::estimate::search::further::SINGLE;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::Optimum;
 use crate::estimate::search::score::Score;
 use crate::estimate::search::select::CLEAR;
-use crate::model::Further;
 use edges::names::{ParameterId, ParameterKind};
-use edges::numerics::{Solution, Stop};
+use edges::numerics::Solution;
 
-/// Standard errors from which on a blur that is not taken is included in the errors.
-const HINT: f64 = 3.0;
+/// Fall of the sum of squares from which on a blur that is not taken is included in the errors, in the
+/// order of [`SINGLE`]: three standard errors, which noise exceeds once in 370. For three errors of
+/// dihedral angles this is a chi-square of 14.2.
+const HINT: [f64; 3] = [9.0, 9.0, 14.2];
 
 /// Blur that the estimate does not have, and that its errors include.
 pub(crate) struct Hint {
@@ -51,63 +45,6 @@ impl Hint {
     }
 }
 
-/// Returns the candidate whose spread is a ring, as the spots of errors that all cells share;
-/// `None` if the table has such errors itself, or the kernel is that of waves.
-pub(crate) fn as_ring(table: &Table, choice: Choice) -> Option<Choice> {
-    let exact = table.exact.iter();
-    let mut paths = exact.flat_map(|exact| exact.paths.iter().flatten());
-    let is_ideal = paths.all(|path| path.deviation == [0.0; 2]);
-    (is_ideal && !choice.kernel.has_waves()).then_some(Choice {
-        further: Further {
-            angular_spread: true,
-            is_ring: true,
-            ..choice.further
-        },
-        ..choice
-    })
-}
-
-/// Says by how much all dihedral angles are off, if the light goes to spots whose variance along an
-/// axis is `variance_mrad2`: the root mean square of three errors is sigma / (2 m), see
-/// `crate::model::further`.
-pub(crate) fn common_errors(table: &Table, variance_mrad2: f64) -> String {
-    let index = table.provenance.refractive_index;
-    let error_mrad = variance_mrad2.max(0.0).sqrt() / (2.0 * index);
-    format!(
-        "the dihedral angles of all cubes are off by about {error_mrad:.3} mrad (root mean square): \
-        bake tables with such errors (bake design --dihedral-error-mrad) and give them as further \
-        --table"
-    )
-}
-
-/// Fits a ring in place of the angular spread of an estimate. `unit` is the factor by which a misfit
-/// raises the sum of squares. Returns `None` if the pixels exclude the ring.
-pub(crate) fn spots(
-    scene: &Scene,
-    table: &Table,
-    loss: &Loss,
-    fit: &Estimate,
-    unit: f64,
-) -> Option<Hint> {
-    fit.angular_spread_mrad?;
-    let choice = as_ring(table, fit.choice)?;
-    let ring = fitted(scene, loss, choice, &fit.solution.parameters, &[]);
-    let fall = (fit.solution.sum_of_squares() - ring.solution.sum_of_squares()) / unit;
-    if ring.solution.stop == Stop::Failed || fall.is_nan() || fall < -CLEAR {
-        return None;
-    }
-    let layout = Layout::new(choice, scene.groups.len());
-    let variance_mrad2 = ring.solution.parameters[layout.angular_spread()?];
-    let said = (fall > CLEAR).then(|| {
-        format!(
-            "six spots of light would fit better than an angular spread: {}. The standard errors \
-            include the difference",
-            common_errors(table, variance_mrad2)
-        )
-    });
-    Hint::of(fit, &estimate(scene, loss, ring).coordinates(), said)
-}
-
 /// Looks for blurs that the pixels do not ask for: returns the bound of a spread, and a blur that they
 /// hint at. `unit` is the factor by which a misfit raises the sum of squares.
 pub(crate) fn hidden(
@@ -126,40 +63,37 @@ pub(crate) fn hidden(
 /// Returns a blur that the chosen candidate does not have and that the pixels hint at.
 fn hint(scene: &Scene, loss: &Loss, fit: &Estimate, score: &Score, unit: f64) -> Option<Hint> {
     let at = &fit.solution.parameters;
-    let single = TRIED.into_iter().take(2);
-    let hints = single.filter_map(|further| {
+    let hints = SINGLE.into_iter().zip(HINT).filter_map(|(further, hint)| {
         let (fall, step) = score.step(further)?;
-        let [variance, error] = step[0];
-        let can_be = !further.angular_spread || variance > 0.0;
-        (can_be && fall > HINT.powi(2) * unit).then_some((fall, further, variance, error))
+        let can_be = !further.angular_spread || step[0][0] > 0.0;
+        (can_be && fall > hint * unit).then_some((fall / hint, further, step))
     });
-    let (_, further, variance, error) = hints.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (_, further, step) = hints.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let choice = Choice {
-        further: Further {
-            own_blur: further.own_blur || fit.choice.further.own_blur,
-            angular_spread: further.angular_spread || fit.choice.further.angular_spread,
-            is_ring: fit.choice.further.is_ring,
-        },
+        further: fit.choice.further.and(further),
         ..fit.choice
     };
-    let layout = Layout::new(choice, scene.groups.len());
-    let added = if further.own_blur {
-        layout.own_blur()?
-    } else {
-        layout.angular_spread()?
-    };
-    let column = score.columns(further)?[0];
-    let moved = at + variance * score.response.column(column);
+    let added = Layout::new(choice, scene.groups.len()).columns_of(further);
+    let mut moved = at.clone();
+    for (column, &[value, _]) in score.columns(further)?.into_iter().zip(&step) {
+        moved += value * score.response.column(column);
+    }
+    for (&column, &[value, _]) in added.iter().zip(&step) {
+        moved = moved.insert_row(column, value);
+    }
     let stepped = Optimum {
         choice,
         solution: Solution {
-            parameters: moved.insert_row(added, variance),
+            parameters: moved,
             ..fit.solution.clone()
         },
         observations: loss.observations(),
     };
     let mut other = estimate(scene, loss, stepped).coordinates();
-    other.remove(added);
+    for &column in added.iter().rev() {
+        other.remove(column);
+    }
+    let [variance, error] = step[0];
     let deviation = variance.abs().sqrt();
     let (error, sign) = (0.5 * unit.sqrt() * error / deviation, variance.signum());
     let what = if further.own_blur {
@@ -170,8 +104,12 @@ fn hint(scene: &Scene, loss: &Loss, fit: &Estimate, score: &Score, unit: f64) ->
             reference is less sharp)",
             error / pitch_mm
         )
-    } else {
+    } else if further.angular_spread {
         format!("an angular spread of {deviation:.3} +- {error:.3} mrad")
+    } else {
+        let errors: Vec<f64> = step.iter().map(|[value, _]| *value).collect();
+        let errors = edge_by_edge(&errors);
+        format!("dihedral angles of all cubes that are off by {errors}")
     };
     let shift = fit.c_mm.map_or(String::new(), |_| {
         format!(
@@ -186,12 +124,19 @@ fn hint(scene: &Scene, loss: &Loss, fit: &Estimate, score: &Score, unit: f64) ->
     Hint::of(fit, &other, Some(said))
 }
 
+/// Writes dihedral errors at the edges 1, 2 and 3.
+pub(crate) fn edge_by_edge(errors_mrad: &[f64]) -> String {
+    let errors = errors_mrad.iter().map(|error| format!("{error:+.3}"));
+    let errors: Vec<String> = errors.collect();
+    format!("{} mrad (edges 1, 2 and 3)", errors.join(", "))
+}
+
 /// Bounds an angular spread that the chosen candidate does not have, by the pixels.
 ///
 /// The sum of squares is a parabola of the variance. One evaluation gives its least place and its
 /// width. The level of the bound is conditional on the choice, see `search::bound`.
 fn bound(loss: &Loss, score: &Score, unit: f64) -> Option<(ParameterId, Bound)> {
-    let (_, step) = score.step(TRIED[1])?;
+    let (_, step) = score.step(SINGLE[1])?;
     let [variance, error] = step[0];
     // A spread below 0 is none.
     let variance = variance.max(0.0);

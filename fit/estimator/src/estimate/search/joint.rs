@@ -285,6 +285,7 @@ impl<'a> Joint<'a> {
             scatter(&mut normal, &columns, &(free.transpose() * free));
         }
         self.add_priors(&mut normal, p);
+        layout.expect(&mut normal);
         let blur = inverse(&normal).view((0, 0), (p, p)).into_owned();
         let mu = (!self.references.is_empty()).then(|| self.mu(layout, &factors, &steps, &blur));
         Covariances { blur, mu }
@@ -363,6 +364,7 @@ impl<'a> Joint<'a> {
             scatter(&mut normal, &columns, &rows.tr_mul(&rows));
         }
         self.add_priors(&mut normal, p);
+        layout.expect(&mut normal);
         let tied = inverse(&normal);
         let solution = -(&tied * gradient);
         let ln_mu = solution.rows(first, groups).into_owned();

@@ -1,7 +1,10 @@
 //! The parameters of a candidate, and their order in the solver's vector: [ln c] [ln spread ...]
-//! [own blur] [angular spread]. The last two are variances, in mm^2 and mrad^2.
+//! [own blur] [angular spread] [three dihedral errors]. The two blurs are variances, in mm^2 and
+//! mrad^2, the errors are in mrad.
 
-use nalgebra::DVector;
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
 
 use crate::model::Blur;
 use crate::model::Further;
@@ -18,9 +21,15 @@ pub struct Choice {
     pub per_angle_a: bool,
     /// True for one mu per incidence, false for one mu for all.
     pub per_angle_mu: bool,
-    /// Gaussian blurs beside the kernel.
+    /// Blurs beside the kernel.
     pub further: Further,
 }
+
+/// Standard deviation of a dihedral error that is expected beforehand, mrad: that of poor sheets.
+///
+/// Photographs of edges in one direction tell one combination of the three errors, and those of two
+/// directions two. So errors that are not told from one another stay finite.
+const EXPECTED_MRAD: f64 = 1.0;
 
 /// A number and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,6 +105,20 @@ impl Layout {
         further.angular_spread.then(|| self.logarithms() + before)
     }
 
+    /// Returns the columns of the dihedral errors at the edges 1, 2 and 3; none if the candidate has none.
+    pub fn common_errors(&self) -> Range<usize> {
+        let errors = 3 * usize::from(self.choice.further.common_errors);
+        self.parameters() - errors..self.parameters()
+    }
+
+    /// Returns the columns of further blurs.
+    pub(crate) fn columns_of(&self, further: Further) -> Vec<usize> {
+        let own = self.own_blur().filter(|_| further.own_blur);
+        let spread = self.angular_spread().filter(|_| further.angular_spread);
+        let errors = self.common_errors().filter(|_| further.common_errors);
+        own.into_iter().chain(spread).chain(errors).collect()
+    }
+
     /// Returns the blur of an incidence at these parameters.
     pub fn blur(&self, parameters: &DVector<f64>, group: usize) -> Blur {
         let at = |i: Option<usize>| i.map_or(1.0, |i| within(parameters[i]).exp());
@@ -105,6 +128,10 @@ impl Layout {
             c_mm: at(self.c()),
             own_blur_mm2: variance(self.own_blur()),
             angular_spread_mrad2: variance(self.angular_spread()),
+            errors_mrad: match self.common_errors() {
+                errors if errors.is_empty() => [0.0; 3],
+                errors => [0, 1, 2].map(|k| parameters[errors.start + k]),
+            },
         }
     }
 
@@ -122,5 +149,31 @@ impl Layout {
     pub fn columns(&self, group: usize) -> Vec<usize> {
         let kernel = self.spread(group).into_iter().chain(self.c());
         kernel.chain(self.logarithms()..self.parameters()).collect()
+    }
+
+    /// Adds what is expected of the dihedral errors to residuals and derivatives.
+    pub(crate) fn with_expected(
+        &self,
+        at: &DVector<f64>,
+        (residuals, jacobian): (DVector<f64>, DMatrix<f64>),
+    ) -> (DVector<f64>, DMatrix<f64>) {
+        let (errors, n) = (self.common_errors(), residuals.len());
+        if errors.is_empty() {
+            return (residuals, jacobian);
+        }
+        let mut residuals = residuals.resize_vertically(n + errors.len(), 0.0);
+        let mut jacobian = jacobian.resize_vertically(n + errors.len(), 0.0);
+        for (row, column) in (n..).zip(errors) {
+            residuals[row] = at[column] / EXPECTED_MRAD;
+            jacobian[(row, column)] = EXPECTED_MRAD.recip();
+        }
+        (residuals, jacobian)
+    }
+
+    /// Adds the same to a normal matrix that begins with the columns of the blur.
+    pub(crate) fn expect(&self, normal: &mut DMatrix<f64>) {
+        for column in self.common_errors() {
+            normal[(column, column)] += EXPECTED_MRAD.powi(-2);
+        }
     }
 }

@@ -109,11 +109,12 @@ impl<'a> Loss<'a> {
         at: &DVector<f64>,
         near: &mut Vec<Nuisances>,
     ) -> Evaluation {
-        match self {
+        let evaluation = match self {
             Loss::Mtf(scene) => differences(scene, layout, at, Weights::Noise),
             Loss::Mse(scene) => differences(scene, layout, at, Weights::Even),
             Loss::Edge(joint) => joint.evaluate(layout, at, near),
-        }
+        };
+        layout.with_expected(at, evaluation)
     }
 
     /// Returns what the model leaves of each photograph at a point, in units of the noise. The loss

@@ -14,7 +14,7 @@ pub(crate) mod joint;
 pub mod layout;
 pub mod loss;
 pub mod optimum;
-mod score;
+pub(crate) mod score;
 pub mod select;
 pub mod start;
 mod tried;

@@ -20,12 +20,15 @@ const INDEPENDENT: f64 = 1e-8;
 const UNNOTICED: f64 = 1e-13;
 
 /// Returns the further blurs that a candidate may have. Without a reference the lens is free
-/// already. The facets of a baseline spread the light as dihedral errors do.
-pub(super) fn possible(scene: &Scene, kernel: Kernel) -> Further {
+/// already. The facets of a baseline spread the light as dihedral errors do. Dihedral errors need a
+/// table that says which cubes its light belongs to.
+pub(crate) fn possible(scene: &Scene, kernel: Kernel) -> Further {
+    let shifts = kernel.shifts_rays() && !kernel.has_waves() && !kernel.is_baseline();
+    let mut shots = scene.shots.iter();
     Further {
         own_blur: scene.reference.is_some() && !kernel.is_baseline(),
         angular_spread: !kernel.is_baseline(),
-        is_ring: false,
+        common_errors: shifts && shots.all(|shot| shot.direction.bent().is_some()),
     }
 }
 
@@ -42,6 +45,8 @@ pub(super) struct Score {
     whole: DVector<f64>,
     /// Changes of the parameters of the candidate by the variances, at the least sum of squares.
     pub response: DMatrix<f64>,
+    /// Layout of the candidate with all its blurs.
+    layout: Layout,
 }
 
 impl Score {
@@ -54,26 +59,14 @@ impl Score {
         choice: Choice,
         at: &DVector<f64>,
     ) -> Option<Score> {
-        let (own, all) = (choice.further, possible(scene, choice.kernel));
-        let further = Further {
-            own_blur: all.own_blur && !own.own_blur,
-            angular_spread: all.angular_spread && !own.angular_spread,
-            is_ring: false,
-        };
+        let own = choice.further;
+        let further = possible(scene, choice.kernel).without(own);
         let choice = Choice {
-            further: Further {
-                own_blur: own.own_blur || further.own_blur,
-                angular_spread: own.angular_spread || further.angular_spread,
-                is_ring: own.is_ring,
-            },
+            further: own.and(further),
             ..choice
         };
         let layout = Layout::new(choice, scene.groups.len());
-        let added = [
-            layout.own_blur().filter(|_| further.own_blur),
-            layout.angular_spread().filter(|_| further.angular_spread),
-        ];
-        let added: Vec<usize> = added.into_iter().flatten().collect();
+        let added = layout.columns_of(further);
         if added.is_empty() {
             return None;
         }
@@ -115,19 +108,17 @@ impl Score {
             information,
             pull,
             response,
+            layout,
         })
     }
 
     /// Returns the columns of some of the blurs, or `None` if one of them has none.
     pub(super) fn columns(&self, wanted: Further) -> Option<Vec<usize>> {
-        let missing = (wanted.own_blur && !self.further.own_blur)
-            || (wanted.angular_spread && !self.further.angular_spread);
-        let second = usize::from(self.further.own_blur);
-        let own = wanted.own_blur.then_some(0);
-        let columns = own
-            .into_iter()
-            .chain(wanted.angular_spread.then_some(second));
-        (!missing).then(|| columns.collect())
+        let all = self.layout.columns_of(self.further);
+        let place = |column: &usize| all.iter().position(|own| own == column);
+        let is_there = wanted.without(self.further) == Further::NONE;
+        let wanted = self.layout.columns_of(wanted);
+        is_there.then(|| wanted.iter().filter_map(place).collect())
     }
 
     /// Returns the fall of the sum of squares by a step along some of the blurs, and the variance at

@@ -27,6 +27,7 @@ use crate::estimate::search::fitted::{Estimate, estimate};
 use crate::estimate::search::layout::Layout;
 use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::{Optimum, optimum, refined};
+use crate::estimate::search::score::possible;
 use crate::estimate::trust::suspects::OtherTable;
 use crate::estimate::trust::unverified::{Effect, Unverified, UnverifiedInput};
 use crate::model::Further;
@@ -73,6 +74,12 @@ pub struct Doubted<'a> {
 /// Changes of the coordinates of all parameters, see [`Estimate::coordinates`].
 type Changes = Vec<f64>;
 
+/// An own blur, which is of the camera.
+const OWN: Further = Further {
+    own_blur: true,
+    ..Further::NONE
+};
+
 /// How the change of the estimate in a perturbed scene is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Solve {
@@ -100,24 +107,27 @@ impl Doubted<'_> {
         // An own blur that was fitted is not taken on trust, nor is a lens without a reference.
         if self.scene.reference.is_some() && self.best.own_blur_px.is_none() {
             let step = format!("{OWN_BLUR_PX} px of further blur");
-            let further = Further {
-                own_blur: true,
-                ..Further::NONE
-            };
             let blur_mm = OWN_BLUR_PX * self.scene.optics.camera.pitch_mm;
-            let changes = doubts.blurred(further, blur_mm);
+            let changes = doubts.blurred(OWN, &[blur_mm.powi(2)]);
             all.push(doubts.entry(UnverifiedInput::Lens, None, &step, changes));
         }
         // The facets of a baseline spread the light as dihedral errors do.
-        if self.best.angular_spread_mrad.is_none() && !self.best.choice.kernel.is_baseline() {
-            let further = Further {
-                angular_spread: true,
-                ..Further::NONE
-            };
-            // Independent errors e of all angles are a spread of 2 m e, see `crate::model::further`.
+        let open = possible(self.scene, self.best.choice.kernel).without(self.best.choice.further);
+        let bent = Further {
+            own_blur: false,
+            angular_spread: !open.common_errors,
+            ..open
+        };
+        if open.angular_spread && self.best.choice.further.without(OWN).count() == 0 {
+            // Equal errors of all cubes move c by most. Independent errors e of all angles are a spread
+            // of 2 m e, see `crate::model::further`.
             let spread_mrad = 2.0 * self.table.provenance.refractive_index * DIHEDRAL_MRAD;
-            let step = format!("{DIHEDRAL_MRAD} mrad");
-            let changes = doubts.blurred(further, spread_mrad);
+            let (step, by) = match open.common_errors {
+                true => (" in all cubes", &[DIHEDRAL_MRAD; 3][..]),
+                false => ("", &[spread_mrad.powi(2)][..]),
+            };
+            let step = format!("{DIHEDRAL_MRAD} mrad{step}");
+            let changes = doubts.blurred(bent, by);
             all.push(doubts.entry(UnverifiedInput::DihedralAngles, None, &step, changes));
         }
         if let Some(changes) = doubts.curved() {
@@ -136,7 +146,7 @@ impl Doubted<'_> {
         let (loss, found) = match solve {
             Solve::Step => {
                 let loss = self.loss.in_scene(scene);
-                let found = self.stepped(scene, &loss, self.best.optimum(), None)?;
+                let found = self.stepped(scene, &loss, self.best.optimum(), &[])?;
                 (loss, found)
             }
             // Noise and light are found as the estimate in the other scene would find them.
@@ -153,14 +163,14 @@ impl Doubted<'_> {
     }
 
     /// Makes one step of Gauss and Newton. Parameters that are only bounded stay, and so does that of
-    /// the column `fixed`. Returns `None` if a parameter would change by more than a factor of e,
+    /// the columns `fixed`. Returns `None` if a parameter would change by more than a factor of e,
     /// where the step has no meaning.
     fn stepped(
         &self,
         scene: &Scene,
         loss: &Loss,
         from: Optimum,
-        fixed: Option<usize>,
+        fixed: &[usize],
     ) -> Option<Optimum> {
         let layout = Layout::new(from.choice, scene.groups.len());
         let start = from.solution.parameters;
@@ -177,7 +187,7 @@ impl Doubted<'_> {
                 free.column_mut(i).fill(0.0);
             }
         }
-        if let Some(fixed) = fixed {
+        for &fixed in fixed {
             free.column_mut(fixed).fill(0.0);
         }
         let normal = free.tr_mul(&free);
@@ -365,27 +375,25 @@ impl Doubts<'_> {
         )
     }
 
-    /// Returns the changes if the photographs had one further blur of this standard deviation: mm of
-    /// an own blur, mrad of an angular spread.
-    fn blurred(&self, further: Further, deviation: f64) -> Option<Changes> {
+    /// Returns the changes if the photographs had one further blur with these parameters: the variance of
+    /// an own blur, mm^2, or of an angular spread, mrad^2, or three dihedral errors, mrad.
+    fn blurred(&self, further: Further, by: &[f64]) -> Option<Changes> {
         let Doubted {
             scene, loss, best, ..
         } = *self.doubted;
         let base = self.base?;
         let mut from = best.optimum();
-        from.choice.further.own_blur |= further.own_blur;
-        from.choice.further.angular_spread |= further.angular_spread;
+        from.choice.further = from.choice.further.and(further);
         let layout = Layout::new(from.choice, scene.groups.len());
-        let column = if further.own_blur {
-            layout.own_blur()?
-        } else {
-            layout.angular_spread()?
-        };
-        let variance = deviation.powi(2);
-        from.solution.parameters = from.solution.parameters.insert_row(column, variance);
-        let stepped = self.doubted.stepped(scene, loss, from, Some(column))?;
+        let columns = layout.columns_of(further);
+        for (&column, &value) in columns.iter().zip(by) {
+            from.solution.parameters = from.solution.parameters.insert_row(column, value);
+        }
+        let stepped = self.doubted.stepped(scene, loss, from, &columns)?;
         let mut found = estimate(scene, loss, stepped).coordinates();
-        found.remove(column);
+        for &column in columns.iter().rev() {
+            found.remove(column);
+        }
         let pairs = found.iter().zip(base);
         Some(pairs.map(|(found, own)| found - own).collect())
     }

@@ -72,7 +72,7 @@ fn is_seen(scene: &Scene, mirrored: &Scene, best: &Estimate) -> bool {
     let layout = Layout::new(best.choice, scene.groups.len());
     scene.shots.iter().zip(&mirrored.shots).any(|(own, other)| {
         let blur = layout.blur(&best.solution.parameters, own.group);
-        let mtf = |shot, f| model(shot, best.choice).otf(blur, f)[0].norm();
+        let mtf = |shot, f| model(shot, best.choice).otf(blur, f).value.norm();
         let mut frequencies = own.view.estimator.frequencies_per_mm.iter();
         frequencies.any(|&f| (mtf(own, f) - mtf(other, f)).abs() > SAME)
     })

@@ -4,6 +4,7 @@ use crate::estimate::scene::Scene;
 use crate::estimate::scene::reference::between;
 use crate::estimate::search::azimuth::Azimuth;
 use crate::estimate::search::fitted::Estimate;
+use crate::estimate::search::hints::edge_by_edge;
 use crate::estimate::search::layout::Value;
 use crate::estimate::search::select::{CLEAR, Ranked};
 use crate::estimate::trust::goodness::{Goodness, POOR_LENS, Verdict};
@@ -47,6 +48,7 @@ pub(crate) fn of_estimate(
     warnings.extend(misfit(goodness, (suspects, diagnosis), baseline));
     warnings.extend(own_blur(scene, best));
     warnings.extend(either_blur(best, compared));
+    warnings.extend(common_errors(best));
     warnings.extend(unlike_diffraction(scene, best));
     warnings.extend(coarse(best));
     warnings.extend(not_told(best));
@@ -89,11 +91,23 @@ fn own_blur(scene: &Scene, best: &Estimate) -> Option<String> {
     ))
 }
 
+/// Returns a warning if the cubes have dihedral errors that all of them share.
+fn common_errors(best: &Estimate) -> Option<String> {
+    let errors = best.dihedral_errors_mrad?;
+    let values = edge_by_edge(&errors.map(|own| own.value));
+    let standard = errors.map(|own| format!("{:.3}", own.standard_error));
+    Some(format!(
+        "the dihedral angles of all cubes are off by {values}, with standard errors of {}. The estimate \
+        allows for it; photographs of edges in one direction tell only a combination of the three",
+        standard.join(", ")
+    ))
+}
+
 /// Returns a warning if a blur of the camera and an angular spread of the sheet explain the
 /// photographs about equally well.
 fn either_blur(best: &Estimate, compared: &[Ranked]) -> Option<String> {
     let own = best.choice.further;
-    if own.own_blur == own.angular_spread {
+    if own.own_blur == own.angular_spread || own.common_errors {
         return None;
     }
     let criterion = |further: Further| {
@@ -103,7 +117,7 @@ fn either_blur(best: &Estimate, compared: &[Ranked]) -> Option<String> {
     let other = Further {
         own_blur: own.angular_spread,
         angular_spread: own.own_blur,
-        is_ring: false,
+        common_errors: false,
     };
     let (own, other) = (criterion(own)?, criterion(other)?);
     let [taken, beside] = if best.own_blur_px.is_some() {

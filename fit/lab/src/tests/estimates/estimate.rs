@@ -60,6 +60,7 @@ fn model_equals_noise_free_photographs() {
                     kernel,
                     shape,
                     shift: shot.direction.shift.as_ref(),
+                    bent: None,
                     wave: shot.direction.wave.as_ref().ok(),
                     baseline: None,
                     r_mm: shot.r_mm,

@@ -70,8 +70,9 @@ const fn spread(kernel: Kernel) -> f64 {
 
 /// The value and the derivatives of a curve.
 fn parts(curve: &Curve) -> Vec<&Vec<f64>> {
-    let derivatives = curve.by_ln_spread.iter().chain(&curve.by_ln_c);
-    std::iter::once(&curve.bins).chain(derivatives).collect()
+    std::iter::once(&curve.bins)
+        .chain(&curve.derivatives)
+        .collect()
 }
 
 /// The sampled curves agree with the closed form. The transforms of every curve, value and

@@ -39,6 +39,9 @@ pub(crate) fn symbol(kind: ParameterKind) -> (&'static str, &'static str, &'stat
         ParameterKind::SurfaceRoughness => ("\u{3b1}\u{2080}", "roughness of the front", ""),
         ParameterKind::OwnBlur => ("w", "blur that the reference does not have", "px"),
         ParameterKind::AngularSpread => ("\u{3c3}", "angular spread", "mrad"),
+        ParameterKind::DihedralError1 => ("\u{3b5}\u{2081}", "dihedral error at edge 1", "mrad"),
+        ParameterKind::DihedralError2 => ("\u{3b5}\u{2082}", "dihedral error at edge 2", "mrad"),
+        ParameterKind::DihedralError3 => ("\u{3b5}\u{2083}", "dihedral error at edge 3", "mrad"),
         ParameterKind::Mu => ("\u{b5}", "reflectance", ""),
         ParameterKind::APerMm => ("a", "diffraction spread", "1/mm"),
     }
@@ -75,6 +78,13 @@ fn explained(kind: ParameterKind) -> &'static str {
         ParameterKind::AngularSpread => {
             "\u{3c3} is the spread of the direction of the returned light (standard deviation, \
              across the plane of incidence). Cubes whose angles differ from cell to cell cause it."
+        }
+        ParameterKind::DihedralError1
+        | ParameterKind::DihedralError2
+        | ParameterKind::DihedralError3 => {
+            "\u{3b5} is the error of the angle between the two facets at an edge, which all cubes \
+             share. Positive errors make the angle wider than 90 degrees. Photographs of edges in \
+             one direction tell only a combination of the three errors."
         }
         ParameterKind::Mu => {
             "\u{b5} (mu) is the returned light, divided by the light that the model expects \
@@ -157,6 +167,7 @@ fn collected<'a>(page: &'a Page) -> Vec<Shown<'a>> {
     let own_blur = result.own_blur_px.map(Parameter::Shared);
     let angular = result.angular_spread_mrad.map(Parameter::Shared);
     let angular = angular.or_else(|| absent(ParameterKind::AngularSpread));
+    let errors = result.dihedral_errors();
     [
         (ParameterKind::CornerSize, c.as_ref()),
         (ParameterKind::APerMm, a.as_ref()),
@@ -165,6 +176,9 @@ fn collected<'a>(page: &'a Page) -> Vec<Shown<'a>> {
         (ParameterKind::SurfaceRoughness, front.as_ref()),
         (ParameterKind::OwnBlur, own_blur.as_ref()),
         (ParameterKind::AngularSpread, angular.as_ref()),
+        (ParameterKind::DihedralError1, errors[0].as_ref()),
+        (ParameterKind::DihedralError2, errors[1].as_ref()),
+        (ParameterKind::DihedralError3, errors[2].as_ref()),
         (ParameterKind::Mu, result.mu.as_ref()),
         (ParameterKind::Azimuth, azimuth.as_ref()),
     ]

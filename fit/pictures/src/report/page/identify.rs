@@ -195,6 +195,9 @@ fn value(page: &Page, id: ParameterId) -> Option<f64> {
         ParameterKind::SurfaceRoughness => return result.surface_roughness?.value,
         ParameterKind::OwnBlur
         | ParameterKind::AngularSpread
+        | ParameterKind::DihedralError1
+        | ParameterKind::DihedralError2
+        | ParameterKind::DihedralError3
         | ParameterKind::Mu
         | ParameterKind::Azimuth => return None,
     };

@@ -117,13 +117,15 @@ fn is_chosen(candidate: &Candidate, result: &ResultFile) -> bool {
         && candidate.sharing == sharing(result.kernel, per_angle)
         && candidate.own_blur == result.own_blur_px.is_some()
         && candidate.angular_spread == result.angular_spread_mrad.is_some()
+        && candidate.dihedral_errors == result.dihedral_errors_mrad.is_some()
 }
 
 /// Describes how the spread of a candidate is shared, and its further blurs.
 fn shared(candidate: &Candidate) -> String {
     let own = candidate.own_blur.then_some(", own blur");
     let angular = candidate.angular_spread.then_some(", angular spread");
-    let further: String = own.into_iter().chain(angular).collect();
+    let errors = candidate.dihedral_errors.then_some(", dihedral errors");
+    let further: String = own.into_iter().chain(angular).chain(errors).collect();
     format!("{}{further}", candidate.sharing)
 }
 

@@ -5,8 +5,9 @@ use rayon::prelude::*;
 use crate::estimate::progress::Progress;
 use crate::estimate::scene::perturbed::{Conditions, OtherIndex};
 use crate::estimate::scene::{Aerial, Scene};
-use crate::estimate::search::hints;
+use crate::estimate::search::hints::edge_by_edge;
 use crate::estimate::search::layout::{Choice, Layout};
+use crate::estimate::search::score::possible;
 use crate::estimate::search::select::CLEAR;
 use crate::estimate::trust::suspects::{Alternative, Otherwise, SURE, Search};
 use crate::model::wave;
@@ -395,14 +396,20 @@ impl Search<'_> {
         of_rays.chain(self.of_common_errors()).collect()
     }
 
-    /// Returns the spots of dihedral errors that all cells share, as a ring, if the table is one of
-    /// ideal cubes.
+    /// Returns dihedral errors that all cubes share, if the table says which cubes return the light.
     fn of_common_errors(&self) -> Option<Alternative> {
-        let choice = hints::as_ring(self.table, self.fit.choice)?;
+        let mut choice = self.fit.choice;
+        choice.further.common_errors = possible(self.scene, choice.kernel).common_errors;
+        if choice == self.fit.choice {
+            return None;
+        }
         let fit = self.at_least_anew(self.scene, &[choice])?.fit;
-        let layout = Layout::new(choice, self.scene.groups.len());
-        let variance_mrad2 = fit.solution.parameters[layout.angular_spread()?];
-        let what = hints::common_errors(self.table, variance_mrad2);
+        let errors = Layout::new(choice, self.scene.groups.len()).common_errors();
+        let errors: Vec<f64> = errors.map(|k| fit.solution.parameters[k]).collect();
+        let what = format!(
+            "the dihedral angles of all cubes are off by {}",
+            edge_by_edge(&errors)
+        );
         Some(Alternative {
             choices: vec![choice],
             cost: CLEAR,
