@@ -19,7 +19,7 @@ use crate::estimate::search::layout::{Choice, Value};
 use crate::estimate::search::loss::{Kind, Loss};
 use crate::estimate::search::optimum::refined;
 use crate::estimate::search::select::{Candidates, Ranked, Selection, select};
-use crate::estimate::search::{azimuth, further, hints};
+use crate::estimate::search::{azimuth, cubes, further, hints};
 use crate::estimate::trust::doubts::Doubted;
 use crate::estimate::trust::goodness::{Goodness, Verdict};
 use crate::estimate::trust::suspects::{Diagnosis, OtherTable, Search, Suspect};
@@ -404,6 +404,8 @@ fn fitted<'a>(
             let (bound, hint) = hints::hidden(scene, loss, best, unit);
             found.extend(bound);
             hints.extend(hint);
+            let found = (best, &selection.compared[..]);
+            hints.extend(cubes::alternative(scene, loss, found, unit));
         }
     }
     let Selection {

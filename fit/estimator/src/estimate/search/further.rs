@@ -20,6 +20,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::estimate::scene::Scene;
+use crate::estimate::search::cubes::{ERRORS, and_more, size_mrad, with_errors};
 use crate::estimate::search::fitted::Estimate;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
@@ -34,7 +35,7 @@ const SURE: f64 = 3.0;
 
 /// Share of the fall that the criterion asks for, from which on the chosen candidate is fitted with
 /// a further blur. The step of Gauss and Newton misses a part of the fall.
-const PROMISING: f64 = 0.5;
+pub(super) const PROMISING: f64 = 0.5;
 
 /// Chi-square per degree of freedom from which on a candidate is far from the photographs: its
 /// misfit is then as large as the noise.
@@ -43,20 +44,23 @@ pub(super) const FAR: f64 = 2.0;
 /// Share of a large misfit that a blur has to explain, as a suspect has to.
 const EXPLAINED: f64 = 0.5;
 
-/// Fits a candidate with further blurs. `at` holds the parameters without those of `variances`, and
-/// those of the lens if the loss has them.
+/// Fits the candidate `from` with the blurs of `added`, which it does not have. `at` holds its parameters,
+/// and those of the lens if the loss has them; `values` starts the parameters of the blurs.
 pub(super) fn fitted(
     scene: &Scene,
     loss: &Loss,
-    choice: Choice,
-    at: &DVector<f64>,
-    variances: &[[f64; 2]],
+    (from, at): (Choice, &DVector<f64>),
+    added: Further,
+    values: &[[f64; 2]],
 ) -> Optimum {
+    let choice = Choice {
+        further: from.further.and(added),
+        ..from
+    };
     let layout = Layout::new(choice, scene.groups.len());
-    let first = layout.logarithms();
     let mut parameters = at.clone();
-    for (i, &[variance, _]) in variances.iter().enumerate() {
-        parameters = parameters.insert_row(first + i, variance);
+    for (column, &[value, _]) in layout.columns_of(added).into_iter().zip(values) {
+        parameters = parameters.insert_row(column, value);
     }
     // A refinement appends the parameters of the lens itself.
     let start = Optimum {
@@ -95,7 +99,7 @@ pub(crate) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
 /// Returns a candidate with each set of further blurs that it may have.
 fn opened(scene: &Scene, choice: Choice) -> impl Iterator<Item = Choice> + use<> {
     let possible = possible(scene, choice.kernel);
-    let open = TRIED.into_iter();
+    let open = TRIED.into_iter().chain([ERRORS, ERRORS.and(SINGLE[1])]);
     let open = open.filter(move |own| own.without(possible) == Further::NONE);
     open.map(move |further| Choice { further, ..choice })
 }
@@ -116,27 +120,15 @@ pub(super) const SINGLE: [Further; 3] = [
     },
 ];
 
-/// Sets of further blurs that are tried, in the order of preference among equals.
-const TRIED: [Further; 6] = {
-    let [own_blur, angular_spread, common_errors] = SINGLE;
-    [
-        own_blur,
-        angular_spread,
-        Further {
-            own_blur: true,
-            ..angular_spread
-        },
-        common_errors,
-        Further {
-            angular_spread: true,
-            ..common_errors
-        },
-        Further {
-            own_blur: true,
-            ..common_errors
-        },
-    ]
-};
+/// Sets of Gaussian blurs that are tried, in the order of preference among equals.
+const TRIED: [Further; 3] = [
+    SINGLE[0],
+    SINGLE[1],
+    Further {
+        own_blur: true,
+        ..SINGLE[1]
+    },
+];
 
 /// Criteria of candidates of one selection.
 struct Criteria {
@@ -259,27 +251,41 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
         let Some(score) = Score::new(scene, loss, row.choice, &at) else {
             continue;
         };
+        let penalty = |further: Further| further.count() as f64 * criteria.penalty;
+        let is_promising = |further: Further, fall: f64, beaten: f64| {
+            let fall = fall / misfit;
+            if is_best(row) {
+                fall > PROMISING * (penalty(further) + CLEAR)
+            } else {
+                row.criterion - fall + penalty(further) < beaten
+            }
+        };
+        let mut is_blurred = false;
         for further in TRIED {
             let Some((fall, variances)) = score.step(further) else {
                 continue;
             };
-            let penalty = further.count() as f64 * criteria.penalty;
-            let fall = fall / misfit;
-            let promising = if is_best(row) {
-                fall > PROMISING * (penalty + CLEAR)
-            } else {
-                row.criterion - fall + penalty < beaten
-            };
-            if !promising {
+            if !is_promising(further, fall, beaten) {
                 continue;
             }
-            let choice = Choice {
-                further,
-                ..row.choice
-            };
-            let fit = fitted(scene, loss, choice, &at, &variances);
-            let squares = fit.solution.sum_of_squares();
-            if fit.solution.stop != Stop::Failed && squares.is_finite() {
+            is_blurred = true;
+            let fit = fitted(scene, loss, (row.choice, &at), further, &variances);
+            if is_found(&fit) {
+                beaten = beaten.min(fit.criterion(misfit));
+                fits.push(fit);
+            }
+        }
+        let step = score.step(ERRORS);
+        let falls = step.is_some_and(|(fall, _)| is_promising(ERRORS, fall, beaten));
+        if score.columns(ERRORS).is_some() && (falls || is_blurred) {
+            let spread = score.step(SINGLE[1]).map(|(_, step)| step[0][0]);
+            let size_mrad = size_mrad(scene, spread);
+            let at = at.rows(0, row.at.len()).into_owned();
+            let bent = with_errors(scene, loss, row.choice, &at, size_mrad);
+            for fit in bent
+                .into_iter()
+                .flat_map(|bent| and_more(scene, loss, bent, misfit))
+            {
                 beaten = beaten.min(fit.criterion(misfit));
                 fits.push(fit);
             }
@@ -298,7 +304,7 @@ fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) 
     let plain = plain.map(|fit| fit.reduced_chi2());
     let plain = plain.reduce(|| f64::INFINITY, f64::min);
     let all = compared.iter().flat_map(|row| opened(scene, row.choice));
-    let choices: Vec<Choice> = all.collect();
+    let choices: Vec<Choice> = all.filter(|own| !own.further.common_errors).collect();
     let fits = choices.into_par_iter().map(|choice| rough(scene, choice));
     let mut fits: Vec<Optimum> = fits.collect();
     fits.retain(|fit| {
@@ -309,7 +315,7 @@ fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) 
     let mut found = Vec::new();
     for fit in fits.into_iter().take(FEW) {
         let fit = refined(scene, loss, fit);
-        if fit.solution.stop == Stop::Failed || !fit.solution.sum_of_squares().is_finite() {
+        if !is_found(&fit) {
             continue;
         }
         // By the MTFs, those that follow are farther off still.
@@ -318,7 +324,27 @@ fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) 
         }
         found.push(fit);
     }
-    found
+    let spreads = found.iter().filter_map(|fit| {
+        Some((
+            Layout::new(fit.choice, scene.groups.len()).angular_spread()?,
+            fit,
+        ))
+    });
+    let spread = spreads.map(|(column, fit)| fit.solution.parameters[column]);
+    let size_mrad = size_mrad(scene, spread.reduce(f64::max));
+    let rows = compared.iter().take(FEW);
+    let rows = rows.filter(|row| possible(scene, row.choice.kernel).common_errors);
+    let bent = rows.filter_map(|row| with_errors(scene, loss, row.choice, &row.at, size_mrad));
+    let bent: Vec<Optimum> = bent.collect();
+    let all = std::mem::take(&mut found).into_iter().chain(bent);
+    let all = all.flat_map(|fit| and_more(scene, loss, fit, 1.0));
+    all.filter(|fit| explains(misfit, fit.reduced_chi2()))
+        .collect()
+}
+
+/// Returns whether a fit has an end.
+pub(super) fn is_found(fit: &Optimum) -> bool {
+    fit.solution.stop != Stop::Failed && fit.solution.sum_of_squares().is_finite()
 }
 
 /// Returns whether terms that leave the misfit `left` explain the misfit `before`. A mistake in

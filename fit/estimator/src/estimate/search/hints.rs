@@ -35,7 +35,7 @@ pub(crate) struct Hint {
 
 impl Hint {
     /// Returns the hint of a blur with which the coordinates of an estimate would be others.
-    fn of(fit: &Estimate, coordinates: &[f64], said: Option<String>) -> Option<Hint> {
+    pub(super) fn of(fit: &Estimate, coordinates: &[f64], said: Option<String>) -> Option<Hint> {
         let pairs = coordinates.iter().zip(fit.coordinates());
         let change =
             DVector::from_iterator(coordinates.len(), pairs.map(|(other, own)| other - own));

@@ -6,6 +6,7 @@ pub(crate) mod azimuth;
 pub mod bound;
 pub(crate) mod compared;
 pub(crate) mod covariance;
+pub(crate) mod cubes;
 pub mod fitted;
 pub mod forward;
 pub(crate) mod further;

@@ -1,0 +1,148 @@
+//! The search for dihedral errors that all cubes share.
+//!
+//! To first order the errors do what a change of c does, in proportion to the distance; so a step from
+//! cubes without errors finds small ones. Errors whose sum is 0 do nothing to first order in many
+//! directions, and large ones move the light of a path by more than its blur. Then steps from 0 lead
+//! nowhere. So the errors are fitted to the MTFs from several starting points, and by the loss from the
+//! best. The starting points are as large as the angular spread that explains the photographs best:
+//! errors e of all edges move the light as a spread of 2 m e does.
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use crate::estimate::scene::Scene;
+use crate::estimate::search::fitted::{Estimate, estimate};
+use crate::estimate::search::further::{PROMISING, SINGLE, fitted, is_found};
+use crate::estimate::search::hints::{Hint, edge_by_edge};
+use crate::estimate::search::layout::{Choice, Layout};
+use crate::estimate::search::loss::Loss;
+use crate::estimate::search::optimum::{Optimum, ROUGH, nearest, refined};
+use crate::estimate::search::score::Score;
+use crate::estimate::search::select::{CLEAR, Ranked};
+use crate::model::Further;
+use edges::numerics::{Solution, least_squares};
+
+/// Starting points: errors at the edges 1, 2 and 3, in units of their size, with both signs.
+const STARTS: [[f64; 3]; 7] = [
+    [1.0, 1.0, 1.0],
+    [1.7, 0.0, 0.0],
+    [0.0, 1.7, 0.0],
+    [0.0, 0.0, 1.7],
+    [1.2, -1.2, 0.0],
+    [0.0, 1.2, -1.2],
+    [-1.2, 0.0, 1.2],
+];
+
+/// Sizes of the starting points where no angular spread tells it, mrad.
+const USUAL_MRAD: f64 = 0.05;
+
+/// Dihedral errors and nothing else.
+pub(super) const ERRORS: Further = SINGLE[2];
+
+/// Returns the size of the errors that spread the light as much as `variance_mrad2` does.
+pub(super) fn size_mrad(scene: &Scene, variance_mrad2: Option<f64>) -> f64 {
+    let index = scene.shots[0].direction.refractive_index;
+    let spread = variance_mrad2.filter(|variance| *variance > 0.0);
+    spread.map_or(USUAL_MRAD, |variance| variance.sqrt() / (2.0 * index))
+}
+
+/// Fits a candidate with dihedral errors. It has no other further blur; `at` are its parameters without
+/// errors, and `size_mrad` is the size of the errors at the starting points.
+pub(super) fn with_errors(
+    scene: &Scene,
+    loss: &Loss,
+    choice: Choice,
+    at: &DVector<f64>,
+    size_mrad: f64,
+) -> Option<Optimum> {
+    let choice = Choice {
+        further: ERRORS,
+        ..choice
+    };
+    let layout = Layout::new(choice, scene.groups.len());
+    let signs = [1.0, -1.0].into_iter();
+    let starts = signs.flat_map(|sign| STARTS.map(|start| start.map(|x| sign * size_mrad * x)));
+    let starts: Vec<[f64; 3]> = starts.chain([[0.0; 3]]).collect();
+    let of_mtfs = Loss::Mtf(scene);
+    let fit = |errors: [f64; 3]| {
+        let mut start = at.clone().resize_vertically(layout.parameters(), 0.0);
+        start
+            .rows_mut(layout.common_errors().start, 3)
+            .copy_from_slice(&errors);
+        let mut solution = least_squares(start, ROUGH, |at| of_mtfs.evaluate(&layout, at));
+        layout.limit(&mut solution.parameters);
+        Optimum {
+            choice,
+            solution,
+            observations: of_mtfs.observations(),
+        }
+    };
+    let fits: Vec<Optimum> = starts.into_par_iter().map(fit).collect();
+    let best = nearest(fits.iter())?.clone();
+    Some(refined(scene, loss, best)).filter(is_found)
+}
+
+/// Returns a fit, and one with a blur more if a step says that the criterion would fall. `misfit` is the
+/// factor by which a misfit raises the sum of squares.
+pub(super) fn and_more(scene: &Scene, loss: &Loss, fit: Optimum, misfit: f64) -> Vec<Optimum> {
+    let at = &fit.solution.parameters;
+    let penalty = (loss.observations() as f64).ln();
+    let more = Score::new(scene, loss, fit.choice, at).and_then(|score| {
+        let steps = SINGLE.into_iter().filter_map(|further| {
+            let (fall, values) = score.step(further)?;
+            let least = PROMISING * (further.count() as f64 * penalty + CLEAR) * misfit;
+            (fall > least).then_some((fall / least, further, values))
+        });
+        let (_, further, values) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(fitted(scene, loss, (fit.choice, at), further, &values))
+    });
+    let more = more.filter(is_found);
+    std::iter::once(fit).chain(more).collect()
+}
+
+/// Returns what the errors of an estimate with another further blur have to include: its difference to
+/// the best candidate with dihedral errors, unless that has a larger sum of squares by [`CLEAR`]. `unit`
+/// is the factor by which a misfit raises the sum of squares.
+pub(crate) fn alternative(
+    scene: &Scene,
+    loss: &Loss,
+    (fit, compared): (&Estimate, &[Ranked]),
+    unit: f64,
+) -> Option<Hint> {
+    let own = fit.choice.further;
+    if own == Further::NONE || own.common_errors {
+        return None;
+    }
+    // The criteria of the rows ascend.
+    let bent = compared
+        .iter()
+        .find(|row| row.choice.further.common_errors)?;
+    let fall = (fit.solution.sum_of_squares() - bent.chi2) / unit;
+    if fall.is_nan() || fall < -CLEAR {
+        return None;
+    }
+    let start = Optimum {
+        choice: bent.choice,
+        solution: Solution {
+            parameters: bent.at.clone(),
+            ..fit.solution.clone()
+        },
+        observations: loss.observations(),
+    };
+    let other = estimate(scene, loss, refined(scene, loss, start));
+    let errors = other.dihedral_errors_mrad?.map(|own| own.value);
+    let coordinates = other.coordinates();
+    let of = |(id, own): (_, f64)| {
+        let place = other.parameters.iter().position(|other| other == id);
+        place.map_or(own, |place| coordinates[place])
+    };
+    let pairs = fit.parameters.iter().zip(fit.coordinates());
+    let coordinates: Vec<f64> = pairs.map(of).collect();
+    let said = format!(
+        "dihedral errors that all cubes share would explain the photographs as well as the further \
+        blur: {}. The standard errors include the difference. Photographs at more distances, and of \
+        edges in two directions, tell them apart",
+        edge_by_edge(&errors)
+    );
+    Hint::of(fit, &coordinates, Some(said))
+}
