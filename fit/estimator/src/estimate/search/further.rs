@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::estimate::scene::Scene;
-use crate::estimate::search::cubes::{ERRORS, and_more, size_mrad, with_errors};
+use crate::estimate::search::cubes::{self, ERRORS, and_more};
 use crate::estimate::search::fitted::Estimate;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
@@ -241,7 +241,7 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
     let others = compared.iter().filter(|row| !is_best(row));
     let hopeful = others.filter(|row| row.criterion <= HOPELESS * least + CLEAR);
     let mut fits: Vec<Optimum> = Vec::new();
-    let mut beaten = least;
+    let (mut beaten, mut is_bent) = (least, false);
     for row in chosen.chain(hopeful) {
         let at = if is_best(row) {
             best.solution.parameters.clone()
@@ -260,7 +260,10 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
                 row.criterion - fall + penalty(further) < beaten
             }
         };
-        let mut is_blurred = false;
+        if is_best(row) {
+            let fall = score.step(ERRORS).map_or(0.0, |(fall, _)| fall);
+            is_bent = is_promising(ERRORS, fall, beaten);
+        }
         for further in TRIED {
             let Some((fall, variances)) = score.step(further) else {
                 continue;
@@ -268,27 +271,23 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
             if !is_promising(further, fall, beaten) {
                 continue;
             }
-            is_blurred = true;
             let fit = fitted(scene, loss, (row.choice, &at), further, &variances);
             if is_found(&fit) {
                 beaten = beaten.min(fit.criterion(misfit));
                 fits.push(fit);
             }
         }
-        let step = score.step(ERRORS);
-        let falls = step.is_some_and(|(fall, _)| is_promising(ERRORS, fall, beaten));
-        if score.columns(ERRORS).is_some() && (falls || is_blurred) {
-            let spread = score.step(SINGLE[1]).map(|(_, step)| step[0][0]);
-            let size_mrad = size_mrad(scene, spread);
-            let at = at.rows(0, row.at.len()).into_owned();
-            let bent = with_errors(scene, loss, row.choice, &at, size_mrad);
-            for fit in bent
-                .into_iter()
-                .flat_map(|bent| and_more(scene, loss, bent, misfit))
-            {
-                beaten = beaten.min(fit.criterion(misfit));
-                fits.push(fit);
-            }
+    }
+    let criterion = |fit: &Optimum| fit.criterion(misfit);
+    let order = |a: &&Optimum, b: &&Optimum| criterion(a).total_cmp(&criterion(b));
+    let blurred = fits.iter().min_by(order).cloned();
+    if is_bent || blurred.is_some() {
+        let bent = cubes::bent(scene, compared, (best.choice, blurred.as_ref()));
+        let bent = bent.into_iter().map(|fit| refined(scene, loss, fit));
+        let all: Vec<Optimum> = blurred.into_iter().chain(bent).collect();
+        for fit in all.into_iter().filter(is_found) {
+            let more = and_more(scene, loss, &fit, misfit);
+            fits.extend(std::iter::once(fit).chain(more));
         }
     }
     fits
@@ -307,6 +306,10 @@ fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) 
     let choices: Vec<Choice> = all.filter(|own| !own.further.common_errors).collect();
     let fits = choices.into_par_iter().map(|choice| rough(scene, choice));
     let mut fits: Vec<Optimum> = fits.collect();
+    fits.sort_by(|a, b| a.criterion(1.0).total_cmp(&b.criterion(1.0)));
+    if let Some(first) = compared.first() {
+        fits.extend(cubes::bent(scene, compared, (first.choice, fits.first())));
+    }
     fits.retain(|fit| {
         let left = fit.reduced_chi2() - 1.0;
         fit.solution.stop != Stop::Failed && left <= EXPLAINED * (plain - 1.0)
@@ -322,24 +325,10 @@ fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) 
         if !explains(misfit, fit.reduced_chi2()) {
             break;
         }
+        found.extend(and_more(scene, loss, &fit, 1.0));
         found.push(fit);
     }
-    let spreads = found.iter().filter_map(|fit| {
-        Some((
-            Layout::new(fit.choice, scene.groups.len()).angular_spread()?,
-            fit,
-        ))
-    });
-    let spread = spreads.map(|(column, fit)| fit.solution.parameters[column]);
-    let size_mrad = size_mrad(scene, spread.reduce(f64::max));
-    let rows = compared.iter().take(FEW);
-    let rows = rows.filter(|row| possible(scene, row.choice.kernel).common_errors);
-    let bent = rows.filter_map(|row| with_errors(scene, loss, row.choice, &row.at, size_mrad));
-    let bent: Vec<Optimum> = bent.collect();
-    let all = std::mem::take(&mut found).into_iter().chain(bent);
-    let all = all.flat_map(|fit| and_more(scene, loss, fit, 1.0));
-    all.filter(|fit| explains(misfit, fit.reduced_chi2()))
-        .collect()
+    found
 }
 
 /// Returns whether a fit has an end.
