@@ -35,7 +35,13 @@ pub fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> T
         retroreflected[[i, 0]] = shifts.iter().map(|s| s.retroreflected).sum::<f64>() / cubes;
         // A ray that enters at p is shifted by 2 (q - p). The place of the cubes in the cell has no
         // effect.
+        let edge = |angle: f64| {
+            let (sine, cosine) = (angle - azimuth_deg.to_radians()).sin_cos();
+            let [across, up] = [2.0, 1.0].map(|part: f64| (part / 3.0).sqrt());
+            [across * cosine, across * sine, up]
+        };
         let path = |(k, shifts): (usize, Vec<[f64; 2]>)| {
+            let half_turn = k as f64 * std::f64::consts::PI;
             let q = [3.0 * k as f64, 0.5];
             Path {
                 polygon: shifts
@@ -48,15 +54,17 @@ pub fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> T
                 deviation: [0.0; 2],
                 passes: 0,
                 jones: None,
-                cube: None,
+                cube: Some(
+                    [0.0, 1.0, 2.0].map(|j| edge(half_turn + j * std::f64::consts::TAU / 3.0)),
+                ),
             }
         };
         paths.push(
             shifts
                 .into_iter()
                 .map(|s| s.polygon)
-                .filter(|p| p.len() > 2)
                 .enumerate()
+                .filter(|(_, p)| p.len() > 2)
                 .map(path)
                 .collect(),
         );

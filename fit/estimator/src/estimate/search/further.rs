@@ -105,7 +105,7 @@ fn opened(scene: &Scene, choice: Choice) -> impl Iterator<Item = Choice> + use<>
 }
 
 /// Single further blurs.
-pub(super) const SINGLE: [Further; 3] = [
+pub(crate) const SINGLE: [Further; 3] = [
     Further {
         own_blur: true,
         ..Further::NONE

@@ -6,6 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::scene::Scene;
+use crate::estimate::search::further::SINGLE;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
 use crate::model::Further;
@@ -34,7 +35,7 @@ pub(crate) fn possible(scene: &Scene, kernel: Kernel) -> Further {
 
 /// Information on further blurs that a candidate does not have, at one point. Their columns come in
 /// the order of [`Layout`].
-pub(super) struct Score {
+pub(crate) struct Score {
     /// Blurs of the columns.
     further: Further,
     /// Information, with the parameters of the candidate projected out.
@@ -53,7 +54,7 @@ impl Score {
     /// Evaluates the score of a candidate at `at`: its parameters, with those of the lens if the
     /// loss has them. Returns `None` if the candidate has all blurs, or if the photographs do not
     /// determine its parameters.
-    pub(super) fn new(
+    pub(crate) fn new(
         scene: &Scene,
         loss: &Loss,
         choice: Choice,
@@ -119,6 +120,16 @@ impl Score {
         let is_there = wanted.without(self.further) == Further::NONE;
         let wanted = self.layout.columns_of(wanted);
         is_there.then(|| wanted.iter().filter_map(place).collect())
+    }
+
+    /// Returns the standard error of one dihedral error of all edges, mrad; `None` without errors.
+    pub(crate) fn equal_errors(&self) -> Option<f64> {
+        let columns = self.columns(SINGLE[2])?;
+        let pairs = columns
+            .iter()
+            .flat_map(|&i| columns.iter().map(move |&j| (i, j)));
+        let information: f64 = pairs.map(|pair| self.information[pair]).sum();
+        (information > 0.0).then(|| information.sqrt().recip())
     }
 
     /// Returns the fall of the sum of squares by a step along some of the blurs, and the variance at

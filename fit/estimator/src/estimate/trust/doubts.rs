@@ -24,10 +24,11 @@ use crate::estimate::scene::perturbed::{Conditions, OtherIndex, sends_straight_b
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::search::bound::Bounds;
 use crate::estimate::search::fitted::{Estimate, estimate};
+use crate::estimate::search::further::SINGLE;
 use crate::estimate::search::layout::Layout;
-use crate::estimate::search::loss::Loss;
+use crate::estimate::search::loss::{Kind, Loss};
 use crate::estimate::search::optimum::{Optimum, optimum, refined};
-use crate::estimate::search::score::possible;
+use crate::estimate::search::score::Score;
 use crate::estimate::trust::suspects::OtherTable;
 use crate::estimate::trust::unverified::{Effect, Unverified, UnverifiedInput};
 use crate::model::Further;
@@ -74,12 +75,6 @@ pub struct Doubted<'a> {
 /// Changes of the coordinates of all parameters, see [`Estimate::coordinates`].
 type Changes = Vec<f64>;
 
-/// An own blur, which is of the camera.
-const OWN: Further = Further {
-    own_blur: true,
-    ..Further::NONE
-};
-
 /// How the change of the estimate in a perturbed scene is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Solve {
@@ -108,28 +103,10 @@ impl Doubted<'_> {
         if self.scene.reference.is_some() && self.best.own_blur_px.is_none() {
             let step = format!("{OWN_BLUR_PX} px of further blur");
             let blur_mm = OWN_BLUR_PX * self.scene.optics.camera.pitch_mm;
-            let changes = doubts.blurred(OWN, &[blur_mm.powi(2)]);
+            let changes = doubts.blurred(SINGLE[0], &[blur_mm.powi(2)]);
             all.push(doubts.entry(UnverifiedInput::Lens, None, &step, changes));
         }
-        // The facets of a baseline spread the light as dihedral errors do.
-        let open = possible(self.scene, self.best.choice.kernel).without(self.best.choice.further);
-        let bent = Further {
-            own_blur: false,
-            angular_spread: !open.common_errors,
-            ..open
-        };
-        if open.angular_spread && self.best.choice.further.without(OWN).count() == 0 {
-            // Equal errors of all cubes move c by most. Independent errors e of all angles are a spread
-            // of 2 m e, see `crate::model::further`.
-            let spread_mrad = 2.0 * self.table.provenance.refractive_index * DIHEDRAL_MRAD;
-            let (step, by) = match open.common_errors {
-                true => (" in all cubes", &[DIHEDRAL_MRAD; 3][..]),
-                false => ("", &[spread_mrad.powi(2)][..]),
-            };
-            let step = format!("{DIHEDRAL_MRAD} mrad{step}");
-            let changes = doubts.blurred(bent, by);
-            all.push(doubts.entry(UnverifiedInput::DihedralAngles, None, &step, changes));
-        }
+        all.extend(doubts.dihedral_angles());
         if let Some(changes) = doubts.curved() {
             all.push(doubts.entry(UnverifiedInput::Linearity, None, ONE_PERCENT, Some(changes)));
         }
@@ -396,6 +373,42 @@ impl Doubts<'_> {
         }
         let pairs = found.iter().zip(base);
         Some(pairs.map(|(found, own)| found - own).collect())
+    }
+
+    /// Doubts the dihedral angles, unless the estimate has a spread or errors of them. The facets of a
+    /// baseline spread the light as dihedral errors do.
+    ///
+    /// Equal errors of all cubes move c by most. The step is the usual one, or two standard errors if
+    /// the photographs tell more. Independent errors e are a spread of 2 m e, see
+    /// `crate::model::further`.
+    fn dihedral_angles(&self) -> Option<Unverified> {
+        let Doubted {
+            scene,
+            loss,
+            best,
+            table,
+            ..
+        } = *self.doubted;
+        let choice = best.choice;
+        let own = choice.further;
+        if choice.kernel.is_baseline() || own.angular_spread || own.common_errors {
+            return None;
+        }
+        let score = Score::new(scene, loss, choice, &best.solution.parameters);
+        let told = score.and_then(|score| score.equal_errors());
+        let (step, changes) = match told.filter(|_| loss.kind() != Kind::Mse) {
+            Some(error) => {
+                let step = DIHEDRAL_MRAD.min(2.0 * error);
+                let changes = self.blurred(SINGLE[2], &[step; 3]);
+                (format!("{step:.3} mrad in all cubes"), changes)
+            }
+            None => {
+                let spread_mrad = 2.0 * table.provenance.refractive_index * DIHEDRAL_MRAD;
+                let changes = self.blurred(SINGLE[1], &[spread_mrad.powi(2)]);
+                (format!("{DIHEDRAL_MRAD} mrad"), changes)
+            }
+        };
+        Some(self.entry(UnverifiedInput::DihedralAngles, None, &step, changes))
     }
 
     /// Returns the changes if the light were more than its values by a step at the brightest plateau,

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::cameras::{After, Picture};
 use crate::planted::{Stream, camera, params, table, truth};
+use crate::simulate::cell::{self, CubeShift};
 use crate::simulate::photograph::{exposed, photograph, smeared};
 use crate::simulate::{Error, Params};
 use crate::study::trial;
@@ -26,9 +27,8 @@ pub(super) enum Effect {
     Lens(f64),
     /// Independent errors of all dihedral angles of this standard deviation, mrad.
     Dihedral(f64),
-    /// One error of all dihedral angles, mrad: its spots, alike for all rays. In a cell they depend on
-    /// where a ray enters, and so does its shift, which this leaves out.
-    Common(f64),
+    /// Errors of the dihedral angles at the edges 1, 2 and 3 of all cubes, mrad.
+    Common([f64; 3]),
     /// A perfect round pupil with this radius of its blur, 1 / cut-off, pixels.
     Pupil(f64),
     /// A halo of this share of the light, with tails of 20 pixels.
@@ -55,57 +55,139 @@ fn disc(radius_px: f64) -> Vec<(f64, f64)> {
 pub(super) struct Cubes {
     pub incidence_rad: f64,
     pub refractive_index: f64,
-    pub errors: Errors,
-}
-
-/// Errors of the dihedral angles, rad.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Errors {
-    /// Independent ones of this standard deviation.
-    Each(f64),
-    /// One that all angles share.
-    Common(f64),
+    /// Standard deviation of independent errors, rad.
+    pub error_rad: f64,
 }
 
 impl Cubes {
     /// Traces a ray through a cube of random errors, by any order of its facets. Returns the
     /// deviation of the light from the exact way back, (tangential, sagittal) rad.
     pub(super) fn ray(&self, stream: &mut Stream) -> [f64; 2] {
-        let m = self.refractive_index;
-        let (sine, cosine) = self.incidence_rad.sin_cos();
-        let azimuth = stream.between(0.0, std::f64::consts::TAU);
-        let u = V::new(azimuth.cos(), azimuth.sin(), 0.0);
-        let arriving = u * sine - V::z() * cosine;
-        // Snell's law: the components along the face are divided by the index.
-        let mut ray = refracted(&arriving, m.recip());
-        // Facets whose normals meet at the angles of 90 degrees and an error.
-        let edges = [0.0_f64, 120.0, 240.0].map(|turn| {
-            let (sine, cosine) = turn.to_radians().sin_cos();
-            V::new(cosine, sine, 0.0) * (2.0_f64 / 3.0).sqrt() + V::z() / 3.0_f64.sqrt()
-        });
-        let errors: [f64; 3] = match self.errors {
-            Errors::Each(rad) => std::array::from_fn(|_| rad * stream.normal()),
-            Errors::Common(rad) => [rad; 3],
-        };
-        let [ab, ac, bc] = errors.map(f64::sin);
-        let gram = Matrix3::new(1.0, ab, ac, ab, 1.0, bc, ac, bc, 1.0);
-        let rows = gram.cholesky().expect("errors are small").l();
-        let normals = [0, 1, 2].map(|i| {
-            let parts = edges.iter().enumerate();
-            parts.map(|(k, edge)| edge * rows[(i, k)]).sum::<V>()
-        });
+        let azimuth_rad = stream.between(0.0, std::f64::consts::TAU);
+        let normals = facets(std::array::from_fn(|_| self.error_rad * stream.normal()));
         let mut order = [0, 1, 2];
         order.swap(0, (stream.between(0.0, 3.0) as usize).min(2));
         order.swap(1, 1 + (stream.between(0.0, 2.0) as usize).min(1));
+        let light = Light::new(self.incidence_rad, azimuth_rad, self.refractive_index);
+        light.deviation(&normals, order)
+    }
+}
+
+/// Returns the normals, towards the light, of the facets of a cube whose axis is z, and whose edge 1 is
+/// at azimuth 0. The dihedral angles at the edges 1, 2 and 3 have these errors, rad.
+fn facets(errors: [f64; 3]) -> [V; 3] {
+    let edges = [0.0_f64, 120.0, 240.0].map(|turn| {
+        let (sine, cosine) = turn.to_radians().sin_cos();
+        V::new(cosine, sine, 0.0) * (2.0_f64 / 3.0).sqrt() + V::z() / 3.0_f64.sqrt()
+    });
+    // The facets 1 and 2 meet at edge 3, and so on.
+    let [bc, ac, ab] = errors.map(f64::sin);
+    let gram = Matrix3::new(1.0, ab, ac, ab, 1.0, bc, ac, bc, 1.0);
+    let rows = gram.cholesky().expect("errors are small").l();
+    [0, 1, 2].map(|i| {
+        let parts = edges.iter().enumerate();
+        parts.map(|(k, edge)| edge * rows[(i, k)]).sum::<V>()
+    })
+}
+
+/// Parallel light that falls on a sheet.
+struct Light {
+    arriving: V,
+    /// Direction within the sheet.
+    within: V,
+    /// Along the plane of incidence, and across it.
+    axes: [V; 2],
+    cosine: f64,
+    index: f64,
+}
+
+impl Light {
+    fn new(incidence_rad: f64, azimuth_rad: f64, index: f64) -> Light {
+        let (sine, cosine) = incidence_rad.sin_cos();
+        let u = V::new(azimuth_rad.cos(), azimuth_rad.sin(), 0.0);
+        let arriving = u * sine - V::z() * cosine;
+        Light {
+            arriving,
+            // Snell's law: the components along the face are divided by the index.
+            within: refracted(&arriving, index.recip()),
+            axes: [u, V::z().cross(&u)],
+            cosine,
+            index,
+        }
+    }
+
+    /// Returns the deviation, (tangential, sagittal) rad, of light that meets facets in this order.
+    fn deviation(&self, normals: &[V; 3], order: [usize; 3]) -> [f64; 2] {
+        let mut ray = self.within;
         for i in order {
             ray -= normals[i] * (2.0 * ray.dot(&normals[i]));
         }
-        let back = refracted(&ray, m);
-        let tangential = u * cosine + V::z() * sine;
-        let sagittal = V::z().cross(&u);
-        let off = back + arriving;
-        [off.dot(&tangential), off.dot(&sagittal)]
+        let off = refracted(&ray, self.index) + self.arriving;
+        let sine = self.arriving.dot(&self.axes[0]);
+        let tangential = self.axes[0] * self.cosine + V::z() * sine;
+        [off.dot(&tangential), off.dot(&self.axes[1])]
     }
+
+    /// Returns the order in which the light meets the facets of a cube whose apex is the origin, if it
+    /// enters beside the ray that meets the apex by `entry`, (u, v).
+    fn order(&self, normals: &[V; 3], entry: [f64; 2]) -> [usize; 3] {
+        const FAR: f64 = 10.0;
+        let mut at = self.axes[0] * entry[0] + self.axes[1] * entry[1] - self.within * FAR;
+        let mut ray = self.within;
+        [0, 1, 2].map(|_| {
+            let time = |n: &V| match -ray.dot(n) {
+                speed if speed > 0.0 => at.dot(n) / speed,
+                _ => f64::INFINITY,
+            };
+            let times = normals.map(|n| time(&n));
+            let first = (0..3).min_by(|&a, &b| times[a].total_cmp(&times[b]));
+            let first = first.expect("there are three facets");
+            at += ray * times[first];
+            ray -= normals[first] * (2.0 * ray.dot(&normals[first]));
+            first
+        })
+    }
+}
+
+/// Returns the shifts of a capture through cubes that share dihedral errors, those of the deviation at
+/// its distance included: of thin wedges about the apex, whose middle ray is traced.
+fn through_bent_cubes(params: &Params, index: usize, errors_mrad: [f64; 3]) -> Vec<CubeShift> {
+    const WEDGES: usize = 30;
+    let (shot, truth) = (&params.captures[index], &params.truth);
+    let (theta, azimuth) = (
+        shot.incidence_deg.to_radians(),
+        shot.azimuth_deg.to_radians(),
+    );
+    let cubes = cell::shifts(theta, azimuth, truth.refractive_index, truth.pair);
+    let per_tangent = shot.floating_distance_mm / truth.c_mm;
+    let normals = facets(errors_mrad.map(|error| 1e-3 * error));
+    let mut shifts = Vec::new();
+    for (k, cube) in cubes.iter().enumerate() {
+        // A cube that is turned by half a turn sees light from the other side.
+        let turn = k as f64 * std::f64::consts::PI;
+        let light = Light::new(theta, azimuth + turn, truth.refractive_index);
+        let corners = cube.polygon.len();
+        let share = cube.retroreflected / cubes.len() as f64 / cell::area(&cube.polygon);
+        for i in 0..corners {
+            let (from, to) = (cube.polygon[i], cube.polygon[(i + 1) % corners]);
+            let on = |part: f64| [0, 1].map(|k| from[k] + part * (to[k] - from[k]));
+            for w in 0..WEDGES {
+                let [a, b] = [w, w + 1].map(|w| on(w as f64 / WEDGES as f64));
+                // The shift is minus twice the place of entry.
+                let middle = [0, 1].map(|k| -(a[k] + b[k]) / 6.0);
+                let order = light.order(&normals, middle);
+                let [tangential, v] = light.deviation(&normals, order);
+                let off = [per_tangent * tangential / theta.cos(), per_tangent * v];
+                let moved = |p: [f64; 2]| [p[0] + off[0], p[1] + off[1]];
+                let wedge = [[0.0; 2], a, b];
+                shifts.push(CubeShift {
+                    polygon: wedge.map(moved).to_vec(),
+                    retroreflected: share * cell::area(&wedge),
+                });
+            }
+        }
+    }
+    shifts
 }
 
 /// Refracts a unit vector at the face z = 0, whose components along the face are multiplied by
@@ -117,13 +199,13 @@ fn refracted(ray: &V, index: f64) -> V {
 
 /// Returns a histogram of the offsets (pixels) along the edge of a capture that rays through cubes
 /// with dihedral errors cause.
-fn thrown(params: &Params, index: usize, errors: Errors) -> Vec<(f64, f64)> {
+fn thrown(params: &Params, index: usize, error_rad: f64) -> Vec<(f64, f64)> {
     const RAYS: usize = 400_000;
     let shot = &params.captures[index];
     let cubes = Cubes {
         incidence_rad: shot.incidence_deg.to_radians(),
         refractive_index: params.truth.refractive_index,
-        errors,
+        error_rad,
     };
     let normal = (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians();
     let px = shot.floating_distance_mm / params.camera.pixel_pitch_mm;
@@ -155,16 +237,16 @@ pub(super) fn taken(
         Ok(exposed(params, index, light))
     };
     let mut other = params.clone();
-    let camera = &mut other.camera;
-    let errors = match (effect, index) {
+    match (effect, index) {
         (Effect::Disc(radius_px), Some(_)) => return smear(disc(radius_px)),
-        (Effect::Dihedral(mrad), Some(i)) => Some((i, Errors::Each(1e-3 * mrad))),
-        (Effect::Common(mrad), Some(i)) => Some((i, Errors::Common(1e-3 * mrad))),
-        _ => None,
-    };
-    if let Some((i, errors)) = errors {
-        return smear(thrown(params, i, errors));
+        (Effect::Dihedral(mrad), Some(i)) => return smear(thrown(params, i, 1e-3 * mrad)),
+        (Effect::Common(errors), Some(i)) => {
+            other.captures[i].shifts = Some(through_bent_cubes(params, i, errors));
+            return photograph(&other, index);
+        }
+        _ => {}
     }
+    let camera = &mut other.camera;
     match effect {
         Effect::Lens(sigma_px) if index.is_some() => camera.sigma_px = sigma_px,
         Effect::Pupil(blur_px) => camera.pupil_cutoff_per_px = Some(blur_px.recip()),
@@ -194,7 +276,7 @@ struct Drawn {
 /// Standard deviation of the reference's lens, pixels.
 const SIGMA_PX: f64 = 0.55;
 
-const DRAWN: [Drawn; 11] = [
+const DRAWN: [Drawn; 13] = [
     Drawn {
         name: "nothing",
         range: [0.1, 1.0],
@@ -221,9 +303,19 @@ const DRAWN: [Drawn; 11] = [
         effect: Effect::Dihedral,
     },
     Drawn {
-        name: "one dihedral error of all cells, mrad",
+        name: "equal dihedral errors of all cells, mrad",
         range: [0.005, 0.5],
-        effect: Effect::Common,
+        effect: |mrad| Effect::Common([mrad; 3]),
+    },
+    Drawn {
+        name: "dihedral error of one edge of all cells, mrad",
+        range: [0.005, 0.5],
+        effect: |mrad| Effect::Common([0.0, mrad, 0.0]),
+    },
+    Drawn {
+        name: "opposite dihedral errors of two edges of all cells, mrad",
+        range: [0.005, 0.5],
+        effect: |mrad| Effect::Common([mrad, 0.0, -mrad]),
     },
     Drawn {
         name: "round pupil, 1 / cut-off in px",
@@ -348,6 +440,7 @@ fn is_named(found: &Estimated) -> bool {
         .chain(shots);
     best.own_blur_px.is_some()
         || best.angular_spread_mrad.is_some()
+        || best.dihedral_errors_mrad.is_some()
         || terms
         || found
             .scene
