@@ -100,18 +100,7 @@ impl Model<'_> {
     /// Evaluates the OTF of the mid-air image at `frequency` (1/mm) along the normal, and its
     /// derivatives by ln(spread) and ln(c).
     pub fn otf(&self, blur: Blur, frequency: f64) -> Otf {
-        let (sheet, by_ln_c, by_errors) = match self.bent {
-            Some(line) => {
-                let errors_rad = blur.errors_mrad.map(|error| 1e-3 * error);
-                let at = [blur.c_mm, self.r_mm];
-                let [value, by_c, by_errors @ ..] = line.otf_with_errors(at, errors_rad, frequency);
-                (value, by_c * blur.c_mm, by_errors.map(|by| by * 1e-3))
-            }
-            None => {
-                let [value, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);
-                (value, by_ln_c, [Complex64::ZERO; 3])
-            }
-        };
+        let [sheet, by_ln_c, by_errors @ ..] = self.sheet(blur.c_mm, blur.errors_mrad, frequency);
         let [lobe, by_ln_spread] = self.lobe_otf(blur.spread, frequency);
         let mut others = Complex64::from(self.further_otf(blur, frequency));
         if let Some(ghost) = self.ghost {
@@ -126,6 +115,20 @@ impl Model<'_> {
             by_ln_c: by_ln_c * lobe * others,
             by_errors: by_errors.map(|by| by * lobe * others),
         }
+    }
+
+    /// Evaluates the factor of the OTF that depends on c and on the dihedral errors, and its derivatives
+    /// by ln(c) and by the errors.
+    pub(crate) fn sheet(&self, c_mm: f64, errors_mrad: [f64; 3], frequency: f64) -> [Complex64; 5] {
+        let Some(line) = self.bent else {
+            let [value, by_ln_c] = self.sheet_otf(c_mm, frequency);
+            let none = Complex64::ZERO;
+            return [value, by_ln_c, none, none, none];
+        };
+        let errors_rad = errors_mrad.map(|error| 1e-3 * error);
+        let parts = line.otf_with_errors([c_mm, self.r_mm], errors_rad, frequency);
+        let [value, by_c, e1, e2, e3] = parts;
+        [value, by_c * c_mm, e1 * 1e-3, e2 * 1e-3, e3 * 1e-3]
     }
 
     /// Evaluates the factor of the OTF by the further blurs.

@@ -3,12 +3,8 @@
 //! To first order the errors do what a change of c does, in proportion to the distance; so a step from
 //! cubes without errors finds small ones. Errors whose sum is 0 do nothing to first order in many
 //! directions, and large ones move the light of a path by more than its blur. Then steps from 0 lead
-//! nowhere. So the errors are fitted to the MTFs from several starting points, and by the loss from the
-//! best. The starting points are as large as the angular spread that explains the photographs best:
-//! errors e of all edges move the light as a spread of 2 m e does.
-
-use nalgebra::DVector;
-use rayon::prelude::*;
+//! nowhere. So the OTF is searched for the best c and spread of each of some errors, and the candidate
+//! is fitted to the MTFs from the best of them.
 
 use crate::estimate::scene::Scene;
 use crate::estimate::search::fitted::{Estimate, estimate};
@@ -16,14 +12,15 @@ use crate::estimate::search::further::{PROMISING, SINGLE, fitted, is_found};
 use crate::estimate::search::hints::{Hint, edge_by_edge};
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
-use crate::estimate::search::optimum::{COARSE, Optimum, nearest, refined};
+use crate::estimate::search::optimum::{Optimum, ROUGH, from_each_with, nearest, refined};
 use crate::estimate::search::score::{Score, possible};
 use crate::estimate::search::select::{CLEAR, Ranked};
+use crate::estimate::search::start;
 use crate::model::Further;
-use edges::numerics::{Solution, least_squares};
+use edges::numerics::Solution;
 
-/// Starting points: errors at the edges 1, 2 and 3, in units of their size, with both signs.
-const STARTS: [[f64; 3]; 7] = [
+/// Errors of the search at the edges 1, 2 and 3, in units of their size, with both signs.
+const TRIED: [[f64; 3]; 7] = [
     [1.0, 1.0, 1.0],
     [1.7, 0.0, 0.0],
     [0.0, 1.7, 0.0],
@@ -33,8 +30,11 @@ const STARTS: [[f64; 3]; 7] = [
     [-1.2, 0.0, 1.2],
 ];
 
-/// Sizes of the starting points where no angular spread tells it, mrad.
-const USUAL_MRAD: f64 = 0.05;
+/// Sizes of the errors of the search, mrad.
+const SIZES_MRAD: [f64; 4] = [0.02, 0.06, 0.18, 0.5];
+
+/// Number of errors of the search from which the candidate is fitted.
+const STARTS: usize = 4;
 
 /// Sum of squares of the MTFs from which on errors are far behind a Gaussian blur. The pixels, which know
 /// more, would put them farther behind.
@@ -60,12 +60,6 @@ pub(super) fn bent(
     };
     let of_mtfs = Loss::Mtf(scene);
     let layout = |choice| Layout::new(choice, scene.groups.len());
-    let variance = blurred.and_then(|fit| {
-        let column = layout(fit.choice).angular_spread()?;
-        Some(fit.solution.parameters[column]).filter(|variance| *variance > 0.0)
-    });
-    let index = scene.shots[0].direction.refractive_index;
-    let size_mrad = variance.map_or(USUAL_MRAD, |variance| variance.sqrt() / (2.0 * index));
     let most = blurred.map_or(f64::INFINITY, |fit| {
         let layout = layout(fit.choice);
         let at = fit.solution.parameters.rows(0, layout.parameters());
@@ -73,41 +67,24 @@ pub(super) fn bent(
         residuals.norm_squared() + FAR_BEHIND
     });
     let fits = compared.iter().filter(like).take(2);
-    let fits = fits.filter_map(|row| from_all_sides(scene, row.choice, &row.at, size_mrad));
+    let fits = fits.filter_map(|row| from_all_sides(scene, row.choice));
     fits.filter(|fit| fit.solution.sum_of_squares() < most)
         .collect()
 }
 
-/// Fits a candidate with dihedral errors to the MTFs from all starting points. It has no other further
-/// blur; `at` are its parameters without errors.
-fn from_all_sides(
-    scene: &Scene,
-    choice: Choice,
-    at: &DVector<f64>,
-    size_mrad: f64,
-) -> Option<Optimum> {
+/// Fits a candidate with dihedral errors and no other further blur to the MTFs.
+fn from_all_sides(scene: &Scene, choice: Choice) -> Option<Optimum> {
     let choice = Choice {
         further: ERRORS,
         ..choice
     };
-    let layout = Layout::new(choice, scene.groups.len());
     let signs = [1.0, -1.0].into_iter();
-    let starts = signs.flat_map(|sign| STARTS.map(|start| start.map(|x| sign * size_mrad * x)));
-    let starts: Vec<[f64; 3]> = starts.chain([[0.0; 3]]).collect();
-    let loss = Loss::Mtf(scene);
-    let fit = |errors: [f64; 3]| {
-        let mut start = at.clone().resize_vertically(layout.parameters(), 0.0);
-        let first = layout.common_errors().start;
-        start.rows_mut(first, 3).copy_from_slice(&errors);
-        let mut solution = least_squares(start, COARSE, |at| loss.evaluate(&layout, at));
-        layout.limit(&mut solution.parameters);
-        Optimum {
-            choice,
-            solution,
-            observations: loss.observations(),
-        }
-    };
-    let fits: Vec<Optimum> = starts.into_par_iter().map(fit).collect();
+    let sizes = signs.flat_map(|sign| SIZES_MRAD.map(|size| sign * size));
+    let errors = sizes.flat_map(|size| TRIED.map(|errors| errors.map(|x| size * x)));
+    let starts = start::bent(scene, choice, errors.collect()).into_iter();
+    let starts = starts.take(STARTS);
+    let starts = starts.map(|(start, errors)| (start, errors.to_vec()));
+    let fits = from_each_with(ROUGH, scene, choice, starts.collect());
     nearest(fits.iter()).cloned()
 }
 

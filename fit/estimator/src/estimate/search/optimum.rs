@@ -76,14 +76,27 @@ pub(crate) fn from_each(
     choice: Choice,
     starts: Vec<start::Start>,
 ) -> Vec<Optimum> {
+    // A further blur begins with none.
+    let none = vec![0.0; choice.further.count()];
+    let starts = starts.into_iter().map(|start| (start, none.clone()));
+    from_each_with(tolerance, scene, choice, starts.collect())
+}
+
+/// Fits a candidate to the MTFs from each of the given starting points, and parameters of its further
+/// blurs.
+pub(super) fn from_each_with(
+    tolerance: f64,
+    scene: &Scene,
+    choice: Choice,
+    starts: Vec<(start::Start, Vec<f64>)>,
+) -> Vec<Optimum> {
     let loss = Loss::Mtf(scene);
     let layout = Layout::new(choice, scene.groups.len());
-    let fits = starts.into_par_iter().map(|start| {
+    let fits = starts.into_par_iter().map(|(start, further)| {
         let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();
         let c = choice.kernel.has_c().then(|| start.c_mm.ln());
         let point = c.into_iter().chain((0..layout.spreads).map(spread));
-        // A further blur begins with none.
-        let point = point.chain(std::iter::repeat_n(0.0, choice.further.count()));
+        let point = point.chain(further);
         let point = DVector::from_iterator(layout.parameters(), point);
         let mut solution = least_squares(point, tolerance, |at| loss.evaluate(&layout, at));
         layout.limit(&mut solution.parameters);

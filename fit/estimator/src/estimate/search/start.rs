@@ -47,7 +47,7 @@ pub(crate) fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
     let search = Search::new(scene, choice);
     let mut found: Vec<(f64, Start)> = lengths
         .into_par_iter()
-        .map(|c_mm| search.at(c_mm))
+        .map(|c_mm| search.at(c_mm, [0.0; 3]))
         .collect();
     // The three bands of c lie below, within and above the range that most photographs can tell.
     let bands = if choice.kernel.has_c() { 3 } else { 1 };
@@ -61,7 +61,27 @@ pub(crate) fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
 
 /// Finds the best starting point for one c, mm.
 pub(crate) fn at(scene: &Scene, choice: Choice, c_mm: f64) -> Start {
-    Search::new(scene, choice).at(c_mm).1
+    Search::new(scene, choice).at(c_mm, [0.0; 3]).1
+}
+
+/// Finds the best starting point for each of some dihedral errors, mrad. Returns them with their errors,
+/// the best first.
+pub(super) fn bent(
+    scene: &Scene,
+    choice: Choice,
+    errors_mrad: Vec<[f64; 3]>,
+) -> Vec<(Start, [f64; 3])> {
+    let search = Search::new(scene, choice);
+    let best = |errors: [f64; 3]| {
+        let all = (0..STEPS).map(|i| search.at(decades(0.01, i), errors));
+        let best = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((best, errors))
+    };
+    let mut found: Vec<((f64, Start), [f64; 3])> =
+        errors_mrad.into_par_iter().filter_map(best).collect();
+    found.sort_by(|a, b| a.0.0.total_cmp(&b.0.0));
+    let found = found.into_iter();
+    found.map(|((_, start), errors)| (start, errors)).collect()
 }
 
 /// MTFs of a scene at a few frequencies, with the part of the model that does not depend on c.
@@ -118,9 +138,9 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Finds the best starting point for one c. Returns it after the sum of its squared
+    /// Finds the best starting point for one c and some dihedral errors. Returns it after the sum of its squared
     /// differences.
-    fn at(&self, c_mm: f64) -> (f64, Start) {
+    fn at(&self, c_mm: f64, errors_mrad: [f64; 3]) -> (f64, Start) {
         let own = self.choice.per_angle_a;
         let groups = if own { self.scene.groups.len() } else { 1 };
         // cost[group][spread]
@@ -129,7 +149,7 @@ impl<'a> Search<'a> {
             let model = model(shot, self.choice);
             let cost = &mut cost[if own { shot.group } else { 0 }];
             for sample in samples {
-                let sheet = model.sheet_otf(c_mm, sample.frequency)[0].norm();
+                let sheet = model.sheet(c_mm, errors_mrad, sample.frequency)[0].norm();
                 for (cost, lobe) in cost.iter_mut().zip(&sample.lobe) {
                     *cost += (sheet * lobe - sample.measured).powi(2);
                 }
