@@ -43,31 +43,22 @@ const FAR_BEHIND: f64 = 30.0;
 /// Dihedral errors and nothing else.
 pub(super) const ERRORS: Further = SINGLE[2];
 
-/// Fits dihedral errors to the MTFs: beside the candidate `choice`, and beside that with one spread for
-/// all angles. `blurred` is the best fit with a Gaussian blur; what is far behind it is left out.
+/// Fits dihedral errors to the MTFs beside each of some candidates without further blurs. What is far
+/// behind `blurred`, the best fit with a Gaussian blur, is left out.
 pub(super) fn bent(
     scene: &Scene,
-    compared: &[Ranked],
-    (choice, blurred): (Choice, Option<&Optimum>),
+    choices: impl Iterator<Item = Choice>,
+    blurred: Option<&Optimum>,
 ) -> Vec<Optimum> {
-    let like = |row: &&Ranked| {
-        let own = row.choice;
-        let is_shared = own.per_angle_a == choice.per_angle_a || !own.per_angle_a;
-        own.further == Further::NONE
-            && (own.kernel, own.shape) == (choice.kernel, choice.shape)
-            && is_shared
-            && possible(scene, own.kernel).common_errors
-    };
     let of_mtfs = Loss::Mtf(scene);
-    let layout = |choice| Layout::new(choice, scene.groups.len());
     let most = blurred.map_or(f64::INFINITY, |fit| {
-        let layout = layout(fit.choice);
+        let layout = Layout::new(fit.choice, scene.groups.len());
         let at = fit.solution.parameters.rows(0, layout.parameters());
         let (residuals, _) = of_mtfs.evaluate(&layout, &at.into_owned());
         residuals.norm_squared() + FAR_BEHIND
     });
-    let fits = compared.iter().filter(like).take(2);
-    let fits = fits.filter_map(|row| from_all_sides(scene, row.choice));
+    let choices = choices.filter(|own| possible(scene, own.kernel).common_errors);
+    let fits = choices.filter_map(|choice| from_all_sides(scene, choice));
     fits.filter(|fit| fit.solution.sum_of_squares() < most)
         .collect()
 }

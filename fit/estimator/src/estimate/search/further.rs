@@ -282,7 +282,14 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
     let order = |a: &&Optimum, b: &&Optimum| criterion(a).total_cmp(&criterion(b));
     let blurred = fits.iter().min_by(order).cloned();
     if is_bent || blurred.is_some() {
-        let bent = cubes::bent(scene, compared, (best.choice, blurred.as_ref()));
+        // Errors may look like a spread of each angle.
+        let shared = Choice {
+            per_angle_a: false,
+            ..best.choice
+        };
+        let choices = [best.choice, shared].into_iter();
+        let choices = choices.take(1 + usize::from(best.choice != shared));
+        let bent = cubes::bent(scene, choices, blurred.as_ref());
         let bent = bent.into_iter().map(|fit| refined(scene, loss, fit));
         let all: Vec<Optimum> = blurred.into_iter().chain(bent).collect();
         for fit in all.into_iter().filter(is_found) {
@@ -307,9 +314,9 @@ fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) 
     let fits = choices.into_par_iter().map(|choice| rough(scene, choice));
     let mut fits: Vec<Optimum> = fits.collect();
     fits.sort_by(|a, b| a.criterion(1.0).total_cmp(&b.criterion(1.0)));
-    if let Some(first) = compared.first() {
-        fits.extend(cubes::bent(scene, compared, (first.choice, fits.first())));
-    }
+    let shared = compared.iter().map(|row| row.choice);
+    let shared = shared.filter(|own| !own.per_angle_a);
+    fits.extend(cubes::bent(scene, shared, fits.first()));
     fits.retain(|fit| {
         let left = fit.reduced_chi2() - 1.0;
         fit.solution.stop != Stop::Failed && left <= EXPLAINED * (plain - 1.0)
