@@ -218,6 +218,9 @@ class Result:
     angular_spread : Estimate or None
         Standard deviation of the direction of the returned light, mrad. None if the photographs do
         not ask for it.
+    dihedral_errors : tuple of Estimate or None
+        Errors of the dihedral angles at the edges 1, 2 and 3 of all cubes, mrad. None if the
+        photographs do not ask for them.
     roughness, surface_roughness : Estimate or None
         Roughness of facets and of the front face, of a published baseline.
     verdict : str
@@ -245,6 +248,8 @@ class Result:
         self.verdict: str = (data.get("fit") or {}).get("verdict", "unknown")
         self.own_blur = Estimate._of(data.get("own_blur_px"))
         self.angular_spread = Estimate._of(data.get("angular_spread_mrad"))
+        errors = data.get("dihedral_errors_mrad")
+        self.dihedral_errors = errors and tuple(Estimate._of(error) for error in errors)
         self.roughness = Estimate._of(data.get("roughness"))
         self.surface_roughness = Estimate._of(data.get("surface_roughness"))
         fit = data.get("fit") or {}

@@ -96,6 +96,12 @@ pub enum Error {
         angle or one distance; estimate again with --kernel angular", .0.name()
     )]
     NoBsdf(Kernel),
+    /// Result with dihedral errors, which the plugin of Mitsuba cannot add to a table.
+    #[error(
+        "a result with dihedral_errors_mrad cannot be rendered in a scene of Mitsuba; bake a table of \
+        cubes with these errors (bake design --dihedral-error-mrad), and estimate with it"
+    )]
+    BentCubes,
     /// Result without a lens, whose file was named as that of the camera.
     #[error("{}: has no lens, or a damaged one: its numbers were given by hand, or it is of an \
         earlier version without a reference photograph; give what `fit estimate -o` wrote", .0.display())]

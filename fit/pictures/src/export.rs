@@ -50,6 +50,9 @@ pub fn mitsuba(
     floating_distance_mm: f64,
 ) -> Result<String, crate::Error> {
     Fitted::new(result, table)?;
+    if result.dihedral_errors_mrad.is_some() {
+        return Err(crate::Error::BentCubes);
+    }
     let kernel = result.kernel;
     let distance = match kernel {
         Kernel::Eq1 | Kernel::Lobe => {

@@ -288,6 +288,11 @@ class _Fitted:
                     f"({params.data['table'].get('design')})"
                 ]
             )
+        if params.dihedral_errors:
+            raise Error(
+                f"{name}: a result with dihedral errors cannot be rendered in a scene; bake a table of "
+                "cubes with these errors (`bake design --dihedral-error-mrad`), and estimate with it"
+            )
         kernel = params.kernel
         if kernel not in ("eq1", "angular", "shift", "lobe"):
             wave = (

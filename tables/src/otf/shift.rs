@@ -258,6 +258,66 @@ mod tests {
         assert_eq!(cases, 16);
     }
 
+    /// Compares a line with dihedral errors with that of the direction that has them, and its derivatives
+    /// with differences. A step s of an error turns a phase by 2 pi f R d s, with d up to 5: differences
+    /// err by (2 pi f R d)^3 s^2 / 6, 2.6e-4 per rad at most here, and rounding over s; 1e-6 per mrad is
+    /// allowed. Those by c err as in the test above.
+    #[test]
+    fn lines_with_errors_are_those_of_bent_directions() {
+        let (root, low) = (f64::sqrt(2.0 / 3.0), f64::sqrt(1.0 / 3.0));
+        let edge = |turn: f64| {
+            let (sine, cosine) = (turn.to_radians()).sin_cos();
+            [root * cosine, root * sine, low]
+        };
+        let hexagon = (0..6).map(|k| {
+            let (sine, cosine) = f64::from(k).mul_add(TAU / 6.0, 0.2).sin_cos();
+            [1.0 + 0.5 * cosine, 0.4 * sine]
+        });
+        let path = Path {
+            polygon: hexagon.collect(),
+            matrix: [[-2.0, 0.0], [0.0, -2.0]],
+            offset: [2.0, 0.1],
+            weight: 0.8,
+            deviation: [1e-4, 0.0],
+            passes: 0,
+            jones: None,
+            cube: Some([edge(250.0), edge(10.0), edge(130.0)]),
+        };
+        let direction = of(vec![path]);
+        let (theta, index, errors) = (20_f64.to_radians(), 1.49, [3e-5, -2e-5, 6e-5]);
+        let mut cases = 0;
+        for normal in [[1.0, 0.0], [0.6, 0.8]] {
+            let line = ShiftLine::with_errors(&direction, theta, normal, index).expect("a cube");
+            let bent = direction.bent(errors, index).expect("a cube");
+            let bent = ShiftLine::new(&bent, theta, normal).expect("light returns");
+            let plain = ShiftLine::new(&direction, theta, normal).expect("light returns");
+            assert_eq!(line.spots.len(), 6);
+            for (c, r, f) in [(0.1, 100.0, 0.4), (0.3, 400.0, 0.9), (0.3, 400.0, 2.0)] {
+                let at = |c, errors| line.otf_with_errors([c, r], errors, f);
+                let found = at(c, errors);
+                // Both interpolate their samples.
+                assert!((found[0] - bent.otf(c, r, f).0).norm() < 3.2e-5);
+                assert!((at(c, [0.0; 3])[0] - plain.otf(c, r, f).0).norm() < 3.2e-5);
+                let step = 1e-5;
+                let slope = (at(c + step, errors)[0] - at(c - step, errors)[0]) / (2.0 * step);
+                assert!((found[1] - slope).norm() < 1e-5, "{} {slope}", found[1]);
+                for k in 0..3 {
+                    let step = 1e-8;
+                    let side = |by: f64| {
+                        let mut errors = errors;
+                        errors[k] += by;
+                        at(c, errors)[0]
+                    };
+                    let slope = (side(step) - side(-step)) / (2.0 * step);
+                    let off = 1e-3 * (found[2 + k] - slope).norm();
+                    assert!(off < 1e-6, "{} {slope}", found[2 + k]);
+                    cases += 1;
+                }
+            }
+        }
+        assert_eq!(cases, 18);
+    }
+
     /// Compares far shifts of up to 30 edge lengths, together or apart, with the OTF of the
     /// polygons or of the bins.
     #[test]

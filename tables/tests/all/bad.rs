@@ -399,6 +399,15 @@ unlink exact/path_jones | attribute content_hash says",
     );
     let wrong = set(&bench, "path_jones", &[10, 2, 2, 2]);
     assert!(wrong.contains("path_jones"), "{wrong}");
+    let wrong = set(&bench, "path_cube", &[10, 3, 3]);
+    assert!(wrong.contains("path_cube holds uint64"), "{wrong}");
+    let wrong = bench.spoilt(|file| {
+        let cubes = file.dataset("exact/path_cube").unwrap();
+        let mut normals: Vec<f64> = cubes.read_raw().unwrap();
+        normals[1] += 0.5;
+        cubes.write_raw(&normals).unwrap();
+    });
+    assert!(wrong.contains("no cube's"), "{wrong}");
     let wrong = set(&Bench::of(&sample::exact()), "path_passes", &[10]);
     assert!(wrong.contains("attribute content_hash says"), "{wrong}");
 }

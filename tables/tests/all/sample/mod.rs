@@ -125,6 +125,10 @@ pub(crate) fn trapped() -> Table {
         let x = f64::from(k);
         path.passes = k % 3;
         path.jones = Some([[[x, 0.5], [-x, 0.25]], [[0.0, x], [1.0, -0.125]]]);
+        // Every third path has no cube.
+        let (sine, cosine) = x.sin_cos();
+        let cube = [[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]];
+        path.cube = (k % 3 != 2).then_some(cube);
     }
     table
 }
