@@ -28,7 +28,7 @@ pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     let azimuth = result.azimuth_deg.map(Parameter::Shared);
     let further =
         [result.own_blur_px, result.angular_spread_mrad].map(|own| own.map(Parameter::Shared));
-    let errors = result.dihedral_errors();
+    let (errors, [e1, e2, e3]) = (result.dihedral_errors(), ParameterKind::DIHEDRAL_ERRORS);
     // Roughnesses are shown in thousandths.
     let parameters = [
         ("c (mm)", ParameterKind::CornerSize, 1.0, &sizes[0]),
@@ -53,24 +53,9 @@ pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
             1.0,
             &further[1],
         ),
-        (
-            "error 1 mrad",
-            ParameterKind::DihedralError1,
-            1.0,
-            &errors[0],
-        ),
-        (
-            "error 2 mrad",
-            ParameterKind::DihedralError2,
-            1.0,
-            &errors[1],
-        ),
-        (
-            "error 3 mrad",
-            ParameterKind::DihedralError3,
-            1.0,
-            &errors[2],
-        ),
+        ("error 1 mrad", e1, 1.0, &errors[0]),
+        ("error 2 mrad", e2, 1.0, &errors[1]),
+        ("error 3 mrad", e3, 1.0, &errors[2]),
         ("mu", ParameterKind::Mu, 1.0, &result.mu),
         ("azimuth (°)", ParameterKind::Azimuth, 1.0, &azimuth),
     ];
