@@ -401,9 +401,9 @@ fn fitted<'a>(
         found.extend(absent(scene, &selection, unit));
         if kind == Kind::Edge {
             let (loss, best) = (&selection.loss, &selection.best);
-            let (bound, hint) = hints::hidden(scene, loss, best, unit);
+            let (bound, hinted) = hints::hidden(scene, loss, best, unit);
             found.extend(bound);
-            hints.extend(hint);
+            hints.extend(hinted);
             let found = (best, &selection.compared[..]);
             hints.extend(cubes::alternative(scene, loss, found, unit));
         }

@@ -95,8 +95,9 @@ pub(super) fn and_more(scene: &Scene, loss: &Loss, fit: &Optimum, misfit: f64) -
 }
 
 /// Returns what the errors of an estimate with another further blur have to include: its difference to
-/// the best candidate with dihedral errors, unless that has a larger sum of squares by [`CLEAR`]. `unit`
-/// is the factor by which a misfit raises the sum of squares.
+/// the best candidate with dihedral errors, unless that has a larger sum of squares by [`CLEAR`], and
+/// the errors of that candidate if its sum of squares is smaller. `unit` is the factor by which a misfit
+/// raises the sum of squares.
 pub(crate) fn alternative(
     scene: &Scene,
     loss: &Loss,
@@ -125,18 +126,11 @@ pub(crate) fn alternative(
     };
     let other = estimate(scene, loss, refined(scene, loss, start));
     let errors = other.dihedral_errors_mrad?.map(|own| own.value);
-    let coordinates = other.coordinates();
-    let of = |(id, own): (_, f64)| {
-        let place = other.parameters.iter().position(|other| other == id);
-        place.map_or(own, |place| coordinates[place])
-    };
-    let pairs = fit.parameters.iter().zip(fit.coordinates());
-    let coordinates: Vec<f64> = pairs.map(of).collect();
     let said = format!(
         "dihedral errors that all cubes share would explain the photographs as well as the further \
         blur: {}. The standard errors include the difference. Photographs at more distances, and of \
         edges in two directions, tell them apart",
         edge_by_edge(&errors)
     );
-    Hint::of(fit, &coordinates, Some(said))
+    Hint::of(fit, &other, (fall > 0.0).then_some(unit), Some(said))
 }

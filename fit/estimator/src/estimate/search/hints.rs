@@ -6,7 +6,7 @@
 //! estimate stays, so photographs without a further blur lose nothing but the stated errors of one
 //! campaign in some hundred.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use crate::estimate::scene::Scene;
 use crate::estimate::search::bound::{Bound, CONFIDENCE, rise_below};
@@ -17,6 +17,7 @@ use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::Optimum;
 use crate::estimate::search::score::Score;
 use crate::estimate::search::select::CLEAR;
+use crate::model::Further;
 use edges::names::{ParameterId, ParameterKind};
 use edges::numerics::Solution;
 
@@ -34,51 +35,98 @@ pub(crate) struct Hint {
 }
 
 impl Hint {
-    /// Returns the hint of a blur with which the coordinates of an estimate would be others.
-    pub(super) fn of(fit: &Estimate, coordinates: &[f64], said: Option<String>) -> Option<Hint> {
-        let pairs = coordinates.iter().zip(fit.coordinates());
-        let change =
-            DVector::from_iterator(coordinates.len(), pairs.map(|(other, own)| other - own));
-        let scatter = &change * change.transpose();
+    /// Returns the hint of a blur with which an estimate would be `other`. `unit` is the factor by which
+    /// a misfit raises squared errors, if those of the other estimate beyond its own are to be included.
+    pub(super) fn of(
+        fit: &Estimate,
+        other: &Estimate,
+        unit: Option<f64>,
+        said: Option<String>,
+    ) -> Option<Hint> {
+        let place = |id| other.parameters.iter().position(|own| own == id);
+        let places: Vec<Option<usize>> = fit.parameters.iter().map(place).collect();
+        let (own, coordinates) = (fit.coordinates(), other.coordinates());
+        let change = |i: usize| places[i].map_or(0.0, |k| coordinates[k] - own[i]);
+        let covariance = |of: &Estimate, i: usize, j: usize| {
+            of.covariance[(i, j)] / (of.slopes[i] * of.slopes[j])
+        };
+        let beyond = |i: usize, j: usize| match places[i].zip(places[j]) {
+            Some((k, l)) => covariance(other, k, l) - covariance(fit, i, j),
+            None => 0.0,
+        };
+        let n = own.len();
+        let scatter = DMatrix::from_fn(n, n, |i, j| {
+            let beyond = unit.map_or(0.0, |unit| unit * beyond(i, j));
+            change(i) * change(j) + beyond
+        });
         let is_finite = scatter.iter().all(|v| v.is_finite());
-        is_finite.then_some(Hint { scatter, said })
+        let grows = (0..n).all(|i| scatter[(i, i)] >= 0.0);
+        (is_finite && grows).then_some(Hint { scatter, said })
     }
 }
 
-/// Looks for blurs that the pixels do not ask for: returns the bound of a spread, and a blur that they
+/// Looks for blurs that the pixels do not ask for: returns the bound of a spread, and the blurs that they
 /// hint at. `unit` is the factor by which a misfit raises the sum of squares.
 pub(crate) fn hidden(
     scene: &Scene,
     loss: &Loss,
     fit: &Estimate,
     unit: f64,
-) -> (Option<(ParameterId, Bound)>, Option<Hint>) {
-    let score = Score::new(scene, loss, fit.choice, &fit.solution.parameters);
-    let score = score.as_ref();
-    let bound = score.and_then(|score| bound(loss, score, unit));
-    let hint = score.and_then(|score| hint(scene, loss, fit, score, unit));
-    (bound, hint)
-}
-
-/// Returns a blur that the chosen candidate does not have and that the pixels hint at.
-fn hint(scene: &Scene, loss: &Loss, fit: &Estimate, score: &Score, unit: f64) -> Option<Hint> {
-    let at = &fit.solution.parameters;
-    let hints = SINGLE.into_iter().zip(HINT).filter_map(|(further, hint)| {
+) -> (Option<(ParameterId, Bound)>, Vec<Hint>) {
+    let Some(score) = Score::new(scene, loss, fit.choice, &fit.solution.parameters) else {
+        return (None, Vec::new());
+    };
+    let found = SINGLE.into_iter().zip(HINT).filter_map(|(further, hint)| {
         let (fall, step) = score.step(further)?;
         let can_be = !further.angular_spread || step[0][0] > 0.0;
-        (can_be && fall > hint * unit).then_some((fall / hint, further, step))
+        let found = Found {
+            further,
+            fall: fall / unit,
+            step,
+        };
+        (can_be && found.fall > hint).then_some(found)
     });
-    let (_, further, step) = hints.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let found: Vec<Found> = found.collect();
+    let most = found.iter().map(|own| own.fall).fold(0.0, f64::max);
+    let blurs = found.iter().filter(|own| !own.further.common_errors);
+    let clearest = blurs.max_by(|a, b| a.fall.total_cmp(&b.fall));
+    // Dihedral errors may move c where a blur does not.
+    let errors = found.iter().filter(|own| own.further.common_errors);
+    let errors = errors.filter(|own| own.fall > most - CLEAR);
+    let all = clearest.into_iter().chain(errors);
+    let hints = all.filter_map(|own| hint(scene, loss, fit, (&score, own), unit));
+    (bound(loss, &score, unit), hints.collect())
+}
+
+/// Blur that the pixels hint at.
+struct Found {
+    further: Further,
+    /// Fall of chi-square.
+    fall: f64,
+    /// Its parameters with their standard errors.
+    step: Vec<[f64; 2]>,
+}
+
+/// Returns the hint of a blur that the chosen candidate does not have.
+fn hint(
+    scene: &Scene,
+    loss: &Loss,
+    fit: &Estimate,
+    (score, found): (&Score, &Found),
+    unit: f64,
+) -> Option<Hint> {
+    let at = &fit.solution.parameters;
+    let (further, step) = (found.further, &found.step);
     let choice = Choice {
         further: fit.choice.further.and(further),
         ..fit.choice
     };
     let added = Layout::new(choice, scene.groups.len()).columns_of(further);
     let mut moved = at.clone();
-    for (column, &[value, _]) in score.columns(further)?.into_iter().zip(&step) {
+    for (column, &[value, _]) in score.columns(further)?.into_iter().zip(step) {
         moved += value * score.response.column(column);
     }
-    for (&column, &[value, _]) in added.iter().zip(&step) {
+    for (&column, &[value, _]) in added.iter().zip(step) {
         moved = moved.insert_row(column, value);
     }
     let stepped = Optimum {
@@ -89,10 +137,7 @@ fn hint(scene: &Scene, loss: &Loss, fit: &Estimate, score: &Score, unit: f64) ->
         },
         observations: loss.observations(),
     };
-    let mut other = estimate(scene, loss, stepped).coordinates();
-    for &column in added.iter().rev() {
-        other.remove(column);
-    }
+    let other = estimate(scene, loss, stepped);
     let [variance, error] = step[0];
     let deviation = variance.abs().sqrt();
     let (error, sign) = (0.5 * unit.sqrt() * error / deviation, variance.signum());
@@ -114,14 +159,15 @@ fn hint(scene: &Scene, loss: &Loss, fit: &Estimate, score: &Score, unit: f64) ->
     let shift = fit.c_mm.map_or(String::new(), |_| {
         format!(
             "It would change c by {:+.1} %. ",
-            100.0 * (other[0] - fit.coordinates()[0]).exp_m1()
+            100.0 * (other.coordinates()[0] - fit.coordinates()[0]).exp_m1()
         )
     });
     let said = format!(
         "the photographs hint at {what}, which may be noise. {shift}The estimate leaves it out, and \
         the standard errors include it. More photographs, at two distances, would tell"
     );
-    Hint::of(fit, &other, Some(said))
+    let unit = further.common_errors.then_some(unit);
+    Hint::of(fit, &other, unit, Some(said))
 }
 
 /// Writes dihedral errors at the edges 1, 2 and 3.
