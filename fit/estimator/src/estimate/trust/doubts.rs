@@ -400,7 +400,8 @@ impl Doubts<'_> {
             Some(error) => {
                 let step = DIHEDRAL_MRAD.min(2.0 * error);
                 let changes = self.blurred(SINGLE[2], &[step; 3]);
-                (format!("{step:.3} mrad in all cubes"), changes)
+                let digits = if step < 1e-3 { 6 } else { 3 };
+                (format!("{step:.digits$} mrad in all cubes"), changes)
             }
             None => {
                 let spread_mrad = 2.0 * table.provenance.refractive_index * DIHEDRAL_MRAD;
