@@ -88,7 +88,11 @@ pub(crate) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
         return from.clone();
     }
     let fits = opened(scene, from.choice).map(|choice| rough(scene, choice));
-    let fits = fits.filter(|fit| explains(from.reduced_chi2(), fit.reduced_chi2()));
+    // Dihedral errors bend to any mistake; about those that still do not fit, light would look uneven.
+    let fits = fits.filter(|fit| {
+        let is_near = !fit.choice.further.common_errors || fit.reduced_chi2() <= FAR;
+        is_near && explains(from.reduced_chi2(), fit.reduced_chi2())
+    });
     let all = fits.chain(std::iter::once(from.clone()));
     let found = all.filter(|fit| fit.criterion(1.0).is_finite());
     found
