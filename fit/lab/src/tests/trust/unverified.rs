@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::planted::{camera, params, table, truth};
+use crate::planted::{camera, fitted, params, table, truth};
 use crate::simulate::photograph::photograph;
 use crate::simulate::{Params, PlantedSheet};
 use crate::study::trial;
@@ -234,8 +234,14 @@ fn another_table_shows_what_the_cell_does() {
         (entry.what, &*entry.step),
         (UnverifiedInput::Cell, "table single.h5")
     );
+    // The same candidate: a search would explain the other cell by dihedral errors.
     let expected = found(&planted, &stated, &other.table);
-    let pairs = numbers(&own.best).into_iter().zip(numbers(&expected.best));
+    let expected = fitted(
+        &expected.scene,
+        own.best.choice,
+        estimator::estimate::Kind::Edge,
+    );
+    let pairs = numbers(&own.best).into_iter().zip(numbers(&expected));
     let largest = entry.effect.c_mm.unwrap().abs();
     let mut cases = 0;
     for ((own, other), effect) in pairs.zip(parts(&entry.effect)) {
