@@ -168,12 +168,7 @@ impl PathShape {
     /// point.
     pub(crate) fn new(path: &Path, node: &NearDirection, index: f64) -> Option<PathShape> {
         let azimuth_rad = node.azimuth_rad;
-        let ([[a, b], [c, d]], [u, v]) = (path.matrix, path.offset);
-        let determinant = a * d - b * c;
-        if determinant.abs() < 1e-3 {
-            return None;
-        }
-        let fixed = [(b * v - d * u) / determinant, (c * u - a * v) / determinant];
+        let fixed = path.fixed()?;
         let corners: Vec<[f64; 2]> = path
             .polygon
             .iter()

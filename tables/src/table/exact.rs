@@ -65,6 +65,15 @@ impl Path {
         };
         [row(0), row(1)]
     }
+
+    /// Returns the point of entry that is not shifted, above the apex of an ideal cube; `None` if the map
+    /// is nearly singular.
+    pub(crate) fn fixed(&self) -> Option<[f64; 2]> {
+        let ([[a, b], [c, d]], [u, v]) = (self.matrix, self.offset);
+        let determinant = a * d - b * c;
+        let fixed = [(b * v - d * u) / determinant, (c * u - a * v) / determinant];
+        (determinant.abs() >= 1e-3).then_some(fixed)
+    }
 }
 
 /// Polygons and maps that `bake --method exact` found; the histogram follows from them.
