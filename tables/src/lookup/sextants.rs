@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 
 use crate::error::Error;
 use crate::lookup::direction::Direction;
-use crate::lookup::shape::{back, turned_cube};
+use crate::lookup::shape::{back, turned};
 use crate::table::exact::{Cube, Path};
 use crate::table::polygon::{area, clip};
 use crate::table::table::Table;
@@ -59,7 +59,7 @@ impl Direction {
         let tangent = sine / (1.0 - sine * sine).sqrt();
         let mut sextants = Vec::new();
         for path in paths {
-            let Some((cube, apex)) = path.cube.zip(fixed(path)) else {
+            let Some((cube, apex)) = path.cube.zip(path.fixed()) else {
                 sextants.push(Sextant {
                     path: path.clone(),
                     by_error: [[0.0; 2]; 3],
@@ -126,20 +126,12 @@ impl Table {
     }
 }
 
-/// Returns the point of entry that the map of a path leaves where it is; `None` if there is none.
-fn fixed(path: &Path) -> Option<[f64; 2]> {
-    let ([[a, b], [c, d]], [u, v]) = (path.matrix, path.offset);
-    let determinant = a * d - b * c;
-    let fixed = [(b * v - d * u) / determinant, (c * u - a * v) / determinant];
-    (determinant.abs() > 1e-3).then_some(fixed)
-}
-
 /// Returns a cube with its edges counted as [`Direction::bent`] says. `azimuth_rad` is that of the
 /// incidence frame.
 fn numbered(mut cube: Cube, azimuth_rad: f64) -> Cube {
     // Opposite azimuths are equal, and those of the edges 1, 2, 3 then go back by thirds of them.
-    let place = |edge: &[f64; 3]| {
-        let [[x, y, _], ..] = turned_cube([*edge; 3], azimuth_rad);
+    let place = |&[u, v, _]: &[f64; 3]| {
+        let [x, y] = turned([u, v], azimuth_rad);
         let back = (-y.atan2(x)).rem_euclid(PI);
         if back > 5.0 / 6.0 * PI {
             back - PI
