@@ -51,6 +51,31 @@ impl Further {
         common_errors: false,
     };
 
+    /// A blur of the camera alone.
+    pub const OWN_BLUR: Further = Further {
+        own_blur: true,
+        ..Further::NONE
+    };
+
+    /// An angular spread alone.
+    pub const ANGULAR_SPREAD: Further = Further {
+        angular_spread: true,
+        ..Further::NONE
+    };
+
+    /// Dihedral errors alone.
+    pub const COMMON_ERRORS: Further = Further {
+        common_errors: true,
+        ..Further::NONE
+    };
+
+    /// All that are possible, each alone.
+    pub const SINGLE: [Further; 3] = [
+        Further::OWN_BLUR,
+        Further::ANGULAR_SPREAD,
+        Further::COMMON_ERRORS,
+    ];
+
     /// Returns the number of parameters.
     pub fn count(self) -> usize {
         let variances = usize::from(self.own_blur) + usize::from(self.angular_spread);
