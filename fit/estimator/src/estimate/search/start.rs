@@ -138,8 +138,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Finds the best starting point for one c and some dihedral errors. Returns it after the sum of its squared
-    /// differences.
+    /// Finds the best starting point for one c and some dihedral errors. Returns it after the sum of
+    /// its squared differences.
     fn at(&self, c_mm: f64, errors_mrad: [f64; 3]) -> (f64, Start) {
         let own = self.choice.per_angle_a;
         let groups = if own { self.scene.groups.len() } else { 1 };
