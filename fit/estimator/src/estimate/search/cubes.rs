@@ -8,7 +8,7 @@
 
 use crate::estimate::scene::Scene;
 use crate::estimate::search::fitted::{Estimate, estimate};
-use crate::estimate::search::further::{PROMISING, SINGLE, fitted, is_found};
+use crate::estimate::search::further::{PROMISING, fitted, is_found};
 use crate::estimate::search::hints::{Hint, edge_by_edge};
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
@@ -40,9 +40,6 @@ const STARTS: usize = 4;
 /// more, would put them farther behind.
 const FAR_BEHIND: f64 = 30.0;
 
-/// Dihedral errors and nothing else.
-pub(super) const ERRORS: Further = SINGLE[2];
-
 /// Fits dihedral errors to the MTFs beside each of some candidates without further blurs. What is far
 /// behind `blurred`, the best fit with a Gaussian blur, is left out.
 pub(super) fn bent(
@@ -66,7 +63,7 @@ pub(super) fn bent(
 /// Fits a candidate with dihedral errors and no other further blur to the MTFs.
 fn from_all_sides(scene: &Scene, choice: Choice) -> Option<Optimum> {
     let choice = Choice {
-        further: ERRORS,
+        further: Further::COMMON_ERRORS,
         ..choice
     };
     let signs = [1.0, -1.0].into_iter();
@@ -85,7 +82,7 @@ pub(super) fn and_more(scene: &Scene, loss: &Loss, fit: &Optimum, misfit: f64) -
     let at = &fit.solution.parameters;
     let penalty = (loss.observations() as f64).ln();
     let score = Score::new(scene, loss, fit.choice, at)?;
-    let steps = SINGLE.into_iter().filter_map(|further| {
+    let steps = Further::SINGLE.into_iter().filter_map(|further| {
         let (fall, values) = score.step(further)?;
         let least = PROMISING * (further.count() as f64 * penalty + CLEAR) * misfit;
         (fall > least).then_some((fall / least, further, values))

@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::estimate::scene::Scene;
-use crate::estimate::search::cubes::{self, ERRORS, and_more};
+use crate::estimate::search::cubes::{self, and_more};
 use crate::estimate::search::fitted::Estimate;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
@@ -103,34 +103,21 @@ pub(crate) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
 /// Returns a candidate with each set of further blurs that it may have.
 fn opened(scene: &Scene, choice: Choice) -> impl Iterator<Item = Choice> + use<> {
     let possible = possible(scene, choice.kernel);
-    let open = TRIED.into_iter().chain([ERRORS, ERRORS.and(SINGLE[1])]);
+    let open = TRIED.into_iter().chain([
+        Further::COMMON_ERRORS,
+        Further::COMMON_ERRORS.and(Further::ANGULAR_SPREAD),
+    ]);
     let open = open.filter(move |own| own.without(possible) == Further::NONE);
     open.map(move |further| Choice { further, ..choice })
 }
 
-/// Single further blurs.
-pub(crate) const SINGLE: [Further; 3] = [
-    Further {
-        own_blur: true,
-        ..Further::NONE
-    },
-    Further {
-        angular_spread: true,
-        ..Further::NONE
-    },
-    Further {
-        common_errors: true,
-        ..Further::NONE
-    },
-];
-
 /// Sets of Gaussian blurs that are tried, in the order of preference among equals.
 const TRIED: [Further; 3] = [
-    SINGLE[0],
-    SINGLE[1],
+    Further::OWN_BLUR,
+    Further::ANGULAR_SPREAD,
     Further {
         own_blur: true,
-        ..SINGLE[1]
+        ..Further::ANGULAR_SPREAD
     },
 ];
 
@@ -265,8 +252,10 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
             }
         };
         if is_best(row) {
-            let fall = score.step(ERRORS).map_or(0.0, |(fall, _)| fall);
-            is_bent = is_promising(ERRORS, fall, beaten);
+            let fall = score
+                .step(Further::COMMON_ERRORS)
+                .map_or(0.0, |(fall, _)| fall);
+            is_bent = is_promising(Further::COMMON_ERRORS, fall, beaten);
         }
         for further in TRIED {
             let Some((fall, variances)) = score.step(further) else {

@@ -12,7 +12,6 @@ use nalgebra::DMatrix;
 use crate::estimate::scene::Scene;
 use crate::estimate::search::bound::{Bound, CONFIDENCE, rise_below};
 use crate::estimate::search::fitted::{Estimate, estimate};
-use crate::estimate::search::further::SINGLE;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::Optimum;
@@ -23,7 +22,7 @@ use edges::names::{ParameterId, ParameterKind};
 use edges::numerics::Solution;
 
 /// Fall of the sum of squares from which on a blur that is not taken is included in the errors, in the
-/// order of [`SINGLE`]: three standard errors, which noise exceeds once in 370. Dihedral errors have three
+/// order of [`Further::SINGLE`]: three standard errors, which noise exceeds once in 370. Dihedral errors have three
 /// parameters and add far more to the error of c: noise exceeds a chi-square of 20 once in 5,900.
 const HINT: [f64; 3] = [9.0, 9.0, 20.0];
 
@@ -77,16 +76,19 @@ pub(crate) fn hidden(
     let Some(score) = Score::new(scene, loss, fit.choice, &fit.solution.parameters) else {
         return (None, Vec::new());
     };
-    let found = SINGLE.into_iter().zip(HINT).filter_map(|(further, hint)| {
-        let (fall, step) = score.step(further)?;
-        let can_be = !further.angular_spread || step[0][0] > 0.0;
-        let found = Found {
-            further,
-            fall: fall / unit,
-            step,
-        };
-        (can_be && found.fall > hint).then_some(found)
-    });
+    let found = Further::SINGLE
+        .into_iter()
+        .zip(HINT)
+        .filter_map(|(further, hint)| {
+            let (fall, step) = score.step(further)?;
+            let can_be = !further.angular_spread || step[0][0] > 0.0;
+            let found = Found {
+                further,
+                fall: fall / unit,
+                step,
+            };
+            (can_be && found.fall > hint).then_some(found)
+        });
     let found: Vec<Found> = found.collect();
     let most = found.iter().map(|own| own.fall).fold(0.0, f64::max);
     let blurs = found.iter().filter(|own| !own.further.common_errors);
@@ -183,7 +185,7 @@ pub(crate) fn edge_by_edge(errors_mrad: &[f64]) -> String {
 /// The sum of squares is a parabola of the variance. One evaluation gives its least place and its
 /// width. The level of the bound is conditional on the choice, see `search::bound`.
 fn bound(loss: &Loss, score: &Score, unit: f64) -> Option<(ParameterId, Bound)> {
-    let (_, step) = score.step(SINGLE[1])?;
+    let (_, step) = score.step(Further::ANGULAR_SPREAD)?;
     let [variance, error] = step[0];
     // A spread below 0 is none.
     let variance = variance.max(0.0);

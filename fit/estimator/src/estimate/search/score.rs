@@ -6,7 +6,6 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::scene::Scene;
-use crate::estimate::search::further::SINGLE;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
 use crate::model::Further;
@@ -124,7 +123,7 @@ impl Score {
 
     /// Returns the standard error of one dihedral error of all edges, mrad; `None` without errors.
     pub(crate) fn equal_errors(&self) -> Option<f64> {
-        let columns = self.columns(SINGLE[2])?;
+        let columns = self.columns(Further::COMMON_ERRORS)?;
         let pairs = columns
             .iter()
             .flat_map(|&i| columns.iter().map(move |&j| (i, j)));

@@ -24,7 +24,6 @@ use crate::estimate::scene::perturbed::{Conditions, OtherIndex, sends_straight_b
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::search::bound::Bounds;
 use crate::estimate::search::fitted::{Estimate, estimate};
-use crate::estimate::search::further::SINGLE;
 use crate::estimate::search::layout::Layout;
 use crate::estimate::search::loss::{Kind, Loss};
 use crate::estimate::search::optimum::{Optimum, optimum, refined};
@@ -103,7 +102,7 @@ impl Doubted<'_> {
         if self.scene.reference.is_some() && self.best.own_blur_px.is_none() {
             let step = format!("{OWN_BLUR_PX} px of further blur");
             let blur_mm = OWN_BLUR_PX * self.scene.optics.camera.pitch_mm;
-            let changes = doubts.blurred(SINGLE[0], &[blur_mm.powi(2)]);
+            let changes = doubts.blurred(Further::OWN_BLUR, &[blur_mm.powi(2)]);
             all.push(doubts.entry(UnverifiedInput::Lens, None, &step, changes));
         }
         all.extend(doubts.dihedral_angles());
@@ -399,13 +398,13 @@ impl Doubts<'_> {
         let (step, changes) = match told.filter(|_| loss.kind() != Kind::Mse) {
             Some(error) => {
                 let step = DIHEDRAL_MRAD.min(2.0 * error);
-                let changes = self.blurred(SINGLE[2], &[step; 3]);
+                let changes = self.blurred(Further::COMMON_ERRORS, &[step; 3]);
                 let digits = if step < 1e-3 { 6 } else { 3 };
                 (format!("{step:.digits$} mrad in all cubes"), changes)
             }
             None => {
                 let spread_mrad = 2.0 * table.provenance.refractive_index * DIHEDRAL_MRAD;
-                let changes = self.blurred(SINGLE[1], &[spread_mrad.powi(2)]);
+                let changes = self.blurred(Further::ANGULAR_SPREAD, &[spread_mrad.powi(2)]);
                 (format!("{DIHEDRAL_MRAD} mrad"), changes)
             }
         };
