@@ -61,7 +61,7 @@ fn is_named(named: &str, mistake: impl FnOnce(&mut Campaign)) {
     let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);
     let found = found(&shots, &of_ideal, &eq1(), mistake).unwrap();
     let (goodness, suspects) = (&found.goodness, &found.suspects);
-    println!("{goodness:?} {suspects:?}");
+    println!("{:?} {goodness:?} {suspects:?}", found.best.choice);
     assert_ne!(goodness.verdict, Verdict::Good);
     assert_eq!(suspects[0].what, named);
     // The manifest without the mistake is the right one. Suspects of the blur are fitted until a

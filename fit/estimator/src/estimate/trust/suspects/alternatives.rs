@@ -94,6 +94,14 @@ impl Search<'_> {
         shots.position(|shot| shot.image == *worst)
     }
 
+    /// Returns the number of the photograph whose light is farthest from what the others tell.
+    pub(super) fn unlike(&self) -> Option<usize> {
+        let scatter = self.fit.scatter.as_ref()?;
+        let each = scatter.each.iter().enumerate();
+        let farthest = each.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        Some(farthest.0)
+    }
+
     /// Returns pairs of photographs that may have been exchanged: the worst one with each other
     /// one, and the worst few among themselves. A wrong photograph spoils the fit of others at its
     /// incidence, so the worst one need not be a wrong one.
@@ -176,14 +184,16 @@ impl Search<'_> {
         for pair in self.pairs() {
             self.exchange(all, pair);
         }
-        let Some(worst) = self.worst().map(|i| &scene.shots[i]) else {
-            return;
-        };
-        for &deg in &scene.groups {
-            let what = format!("the incidence of {} is {deg} deg", worst.image);
-            self.add_one(all, what, &worst.image, &|conditions| {
-                conditions.incidence_deg = deg;
-            });
+        // The blur may fit at a wrong incidence, where the light does not.
+        let mut doubtful: Vec<usize> = self.worst().into_iter().chain(self.unlike()).collect();
+        doubtful.dedup();
+        for Aerial { image, .. } in doubtful.into_iter().map(|i| &scene.shots[i]) {
+            for &deg in &scene.groups {
+                let what = format!("the incidence of {image} is {deg} deg");
+                self.add_one(all, what, image, &|conditions| {
+                    conditions.incidence_deg = deg;
+                });
+            }
         }
     }
 
@@ -230,7 +240,12 @@ impl Search<'_> {
 
     /// Returns whether the blur of the fit depends on the distances.
     fn uses_distances(&self) -> bool {
-        matches!(self.fit.choice.kernel, Kernel::Angular | Kernel::Wave)
+        let Choice {
+            kernel, further, ..
+        } = self.fit.choice;
+        matches!(kernel, Kernel::Angular | Kernel::Wave)
+            || further.angular_spread
+            || further.common_errors
     }
 
     /// Adds turned axes, other azimuths, and the other view of the sheet.

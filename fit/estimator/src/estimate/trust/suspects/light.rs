@@ -156,8 +156,7 @@ impl Search<'_> {
         let scatter = self.fit.scatter.as_ref();
         let scatter = scatter.filter(|_| self.goodness.is_light_off())?;
         let all = scatter.squares();
-        let each = scatter.each.iter().enumerate();
-        let (i, &worst) = each.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        let i = self.unlike()?;
         let shots = &self.scene.shots;
         let own = self.fit.choice.per_angle_mu;
         let beside = |shot: &&Aerial| !own || shot.group == shots[i].group;
@@ -180,7 +179,11 @@ impl Search<'_> {
             return None;
         }
         let image = shots[i].image.clone();
-        let side = if worst > 0.0 { "small" } else { "large" };
+        let side = if scatter.each[i] > 0.0 {
+            "small"
+        } else {
+            "large"
+        };
         let (what, captures) = if let [a, b] = &beside[..] {
             (
                 format!("the exposure of {a} or that of {b} is wrong"),
