@@ -69,7 +69,14 @@ impl Further {
         ..Further::NONE
     };
 
-    /// All that are possible, each alone.
+    /// All that are possible.
+    pub const ALL: Further = Further {
+        own_blur: true,
+        angular_spread: true,
+        common_errors: true,
+    };
+
+    /// The same, each alone.
     pub const SINGLE: [Further; 3] = [
         Further::OWN_BLUR,
         Further::ANGULAR_SPREAD,

@@ -2,13 +2,12 @@
 
 use tables::{Direction, Table};
 
-use crate::error::{Error, all_within};
+use crate::error::Error;
 use crate::model::Blur;
 use crate::model::further;
 use crate::model::{baseline, wave};
+use crate::result::ResultFile;
 use crate::result::TableResult;
-use crate::result::{Number, Parameter, ResultFile};
-use edges::document::Bounds;
 use edges::names::Kernel;
 use edges::names::ParameterKind;
 
@@ -34,8 +33,7 @@ impl<'a> Fitted<'a> {
     /// Returns [`Error::Number`] if a number of the result is out of range, and
     /// [`Error::OtherCell`] if the table is not one of the fitted cell.
     pub fn new(result: &'a ResultFile, table: &'a Table) -> Result<Fitted<'a>, Error> {
-        numbers(result)?;
-        result.camera.check()?;
+        result.check()?;
         if result.polarisation.is_some() && table.passage.is_none() {
             return Err(Error::Unpolarised);
         }
@@ -183,39 +181,4 @@ impl<'a> Fitted<'a> {
 fn shown(table: &TableResult) -> String {
     let hash: String = table.content_hash.chars().take(HASH_SHOWN).collect();
     format!("{} {hash}", table.design)
-}
-
-/// Checks the numbers of a result that predictions are made of.
-fn numbers(result: &ResultFile) -> Result<(), Error> {
-    let all = |parameter: &Option<Parameter>| -> Vec<f64> {
-        match parameter {
-            None => Vec::new(),
-            Some(Parameter::Shared(number)) => number.value.into_iter().collect(),
-            Some(Parameter::PerAngle { per_angle }) => {
-                per_angle.iter().filter_map(|number| number.value).collect()
-            }
-        }
-    };
-    let one = |number: Option<Number>| -> Vec<f64> {
-        number.and_then(|number| number.value).into_iter().collect()
-    };
-    let checked = [
-        ("a_per_mm", all(&result.a_per_mm), Bounds::POSITIVE),
-        ("a_times_r", all(&result.a_times_r), Bounds::POSITIVE),
-        ("roughness", all(&result.roughness), Bounds::NOT_NEGATIVE),
-        ("mu", all(&result.mu), Bounds::NOT_NEGATIVE),
-        ("c_mm", one(result.c_mm), Bounds::NOT_NEGATIVE),
-        (
-            "angular_spread_mrad",
-            one(result.angular_spread_mrad),
-            Bounds::NOT_NEGATIVE,
-        ),
-        (
-            "surface_roughness",
-            one(result.surface_roughness),
-            Bounds::NOT_NEGATIVE,
-        ),
-        ("half_mirror", vec![result.half_mirror], Bounds::SHARE),
-    ];
-    all_within(checked)
 }

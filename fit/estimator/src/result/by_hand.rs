@@ -2,8 +2,9 @@
 
 use crate::estimate::{Bounds, Forward, Kind};
 use crate::result::capture::CameraResult;
+use crate::result::parameter::Covariance;
 use crate::result::parameter::{Number, Parameter};
-use crate::result::report::{Covariance, ResultFile};
+use crate::result::report::ResultFile;
 use crate::result::table::TableResult;
 use edges::names::{Family, Kernel, LobeShape, Spectrum, Stray};
 

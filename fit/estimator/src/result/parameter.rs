@@ -1,6 +1,8 @@
-//! Parameters of a result: one number for all incidences, or one at each.
+//! Parameters of a result, with one number for all incidences or one at each, and their covariance.
 
 use serde::{Deserialize, Serialize};
+
+use edges::names::ParameterId;
 
 /// Parameter with one number for all incidence angles, or with one per angle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -17,12 +19,16 @@ pub enum Parameter {
 
 /// Number with its error.
 ///
-/// The value is null if the photographs give only a bound (see [`bounds`](crate::result::ResultFile::bounds)).
+/// The value is null if the photographs give only a bound (see
+/// [`bounds`](crate::result::ResultFile::bounds)). It has to be written: without the attributes
+/// below, serde would read a missing or misspelt key as null.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Number {
     /// Estimate.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub value: Option<f64>,
     /// Standard error: one standard deviation.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub standard_error: Option<f64>,
 }
 
@@ -32,9 +38,58 @@ pub struct AtAngle {
     /// Incidence, degrees.
     pub incidence_deg: f64,
     /// Estimate.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub value: Option<f64>,
     /// Standard error: one standard deviation.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub standard_error: Option<f64>,
+}
+
+/// Covariance of the parameters, with rows and columns in the order of `names`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Unchecked")]
+pub struct Covariance {
+    /// Names of the parameters.
+    ///
+    /// They are c_mm, a_per_mm or a_times_r, own_blur_px, angular_spread_mrad, the dihedral errors,
+    /// and mu, followed by `_at_<incidence>` if there is one number per angle.
+    pub names: Vec<ParameterId>,
+    /// Covariance matrix.
+    ///
+    /// An entry is null if it is not finite: the photographs do not determine these parameters, or
+    /// they cannot tell them apart. A warning says so.
+    pub matrix: Vec<Vec<Option<f64>>>,
+}
+
+/// Covariance as a file has it.
+#[derive(Deserialize)]
+struct Unchecked {
+    names: Vec<ParameterId>,
+    matrix: Vec<Vec<Option<f64>>>,
+}
+
+impl TryFrom<Unchecked> for Covariance {
+    type Error = String;
+
+    fn try_from(read: Unchecked) -> Result<Covariance, String> {
+        let Unchecked { names, matrix } = read;
+        let n = names.len();
+        if matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
+            return Err(format!(
+                "the covariance names {n} parameters, but its matrix is not {n} x {n}"
+            ));
+        }
+        let variances = names
+            .iter()
+            .enumerate()
+            .map(|(i, name)| (name, matrix[i][i]));
+        for (name, variance) in variances {
+            if let Some(variance) = variance.filter(|&own| own < 0.0) {
+                return Err(format!("the variance of {name} is {variance}, below 0"));
+            }
+        }
+        Ok(Covariance { names, matrix })
+    }
 }
 
 impl Number {

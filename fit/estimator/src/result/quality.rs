@@ -1,8 +1,10 @@
-//! The key `fit` of RESULT.json: how well the fit describes its photographs.
+//! The keys `fit` and `candidates` of RESULT.json: how well the fit describes its photographs, and how
+//! well other models do.
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{Chances, Diagnosis, Goodness, Suspect, Verdict, Worst};
+use crate::estimate::{Chances, Diagnosis, Goodness, Ranked, Suspect, Verdict, Worst};
+use edges::names::{Kernel, LobeShape};
 
 /// Quality of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,5 +55,66 @@ impl FitResult {
             suspects: suspects.to_vec(),
             diagnosis: Some(diagnosis),
         }
+    }
+}
+
+/// Model that was compared with the others.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// Kernel: the terms of the blur.
+    pub kernel: Kernel,
+    /// Shape of the lobe; null without a lobe.
+    pub lobe: Option<LobeShape>,
+    /// Sharing of a (for a baseline, of the roughness): shared by all angles, or one per angle.
+    pub sharing: String,
+    /// Bayes' information criterion; smaller is better.
+    pub criterion: f64,
+    /// True if the model has a blur of the mid-air photographs that the reference does not have.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub own_blur: bool,
+    /// True if the model has an angular spread.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub angular_spread: bool,
+    /// True if the model has dihedral errors that all cubes share.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub dihedral_errors: bool,
+    /// Sum of squares of the residuals in units of their noise, with correlations removed.
+    pub loss: f64,
+    /// Count of parameters of the blur.
+    pub parameters: usize,
+}
+
+/// Returns whether a flag is not set.
+fn is_false(flag: &bool) -> bool {
+    !flag
+}
+
+/// Converts a row of the comparison.
+pub(super) fn candidate(row: &Ranked) -> Candidate {
+    let kernel = row.choice.kernel;
+    Candidate {
+        kernel,
+        lobe: kernel.has_lobe().then_some(row.choice.shape),
+        sharing: sharing(kernel, row.choice.per_angle_a),
+        criterion: row.criterion,
+        own_blur: row.choice.further.own_blur,
+        angular_spread: row.choice.further.angular_spread,
+        dihedral_errors: row.choice.further.common_errors,
+        loss: row.chi2,
+        parameters: row.parameters,
+    }
+}
+
+/// Describes how the spread is shared by the incidence angles, for example "a per angle".
+pub fn sharing(kernel: Kernel, per_angle: bool) -> String {
+    let name = if kernel.is_baseline() {
+        "roughness"
+    } else {
+        "a"
+    };
+    match (kernel.has_lobe(), per_angle) {
+        (false, _) => "none".into(),
+        (true, false) => format!("{name} shared"),
+        (true, true) => format!("{name} per angle"),
     }
 }

@@ -5,72 +5,29 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 use tables::Table;
 
-use crate::error::Error;
+use crate::error::{Error, all_within};
 use crate::estimate::Bounds;
 use crate::estimate::Estimate;
 use crate::estimate::Estimated;
 use crate::estimate::Forward;
 use crate::estimate::Kind;
-use crate::estimate::Ranked;
 use crate::estimate::Unverified;
 use crate::estimate::Value;
 use crate::model::polarised;
 use crate::result::capture::{CameraResult, CaptureResult, FROM_EXIF, captures, lenses};
 use crate::result::diffraction::{WidthResult, widths};
 use crate::result::domain::Domain;
-use crate::result::parameter::{AtAngle, Number, Parameter};
-use crate::result::quality::FitResult;
+use crate::result::parameter::{AtAngle, Covariance, Number, Parameter};
+use crate::result::quality::{Candidate, FitResult, candidate};
 use crate::result::table::TableResult;
 use crate::samples::Sampling;
+use edges::document;
 use edges::names::{Family, Kernel};
 use edges::names::{LobeShape, Polarisation, Spectrum, Stray};
 use edges::names::{ParameterId, ParameterKind};
 
-/// Covariance of the parameters, with rows and columns in the order of `names`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Covariance {
-    /// Names of the parameters.
-    ///
-    /// They are c_mm, a_per_mm or a_times_r, own_blur_px, angular_spread_mrad, and mu, followed by `_at_<incidence>` if there is one
-    /// number per angle.
-    pub names: Vec<ParameterId>,
-    /// Covariance matrix.
-    ///
-    /// An entry is null if it is not finite: the photographs do not determine these parameters, or
-    /// they cannot tell them apart. A warning says so.
-    pub matrix: Vec<Vec<Option<f64>>>,
-}
-
-/// Model that was compared with the others.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Candidate {
-    /// Kernel: the terms of the blur.
-    pub kernel: Kernel,
-    /// Shape of the lobe; null without a lobe.
-    pub lobe: Option<LobeShape>,
-    /// Sharing of a (for a baseline, of the roughness): shared by all angles, or one per angle.
-    pub sharing: String,
-    /// Bayes' information criterion; smaller is better.
-    pub criterion: f64,
-    /// True if the model has a blur of the mid-air photographs that the reference does not have.
-    #[serde(default, skip_serializing_if = "is_false")]
-    pub own_blur: bool,
-    /// True if the model has an angular spread.
-    #[serde(default, skip_serializing_if = "is_false")]
-    pub angular_spread: bool,
-    /// True if the model has dihedral errors that all cubes share.
-    #[serde(default, skip_serializing_if = "is_false")]
-    pub dihedral_errors: bool,
-    /// Sum of squares of the residuals in units of their noise, with correlations removed.
-    pub loss: f64,
-    /// Count of parameters of the blur.
-    pub parameters: usize,
-}
-
-/// Returns whether a flag is not set.
-fn is_false(flag: &bool) -> bool {
-    !flag
-}
+/// Dihedral error, mrad, far beyond what is of first order.
+const DIHEDRAL: document::Bounds = document::Bounds::new("from -100 to 100", |x| x.abs() <= 100.0);
 
 /// Samples of a rendered model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -283,6 +240,66 @@ impl ResultFile {
 }
 
 impl ResultFile {
+    /// Checks that the numbers of which predictions are made are those of a sheet and a camera.
+    ///
+    /// # Errors
+    /// Returns [`Error::Number`] of the first number that is out of range.
+    pub fn check(&self) -> Result<(), Error> {
+        let all = |parameter: &Option<Parameter>| -> Vec<f64> {
+            match parameter {
+                None => Vec::new(),
+                Some(Parameter::Shared(number)) => number.value.into_iter().collect(),
+                Some(Parameter::PerAngle { per_angle }) => {
+                    per_angle.iter().filter_map(|number| number.value).collect()
+                }
+            }
+        };
+        let one = |number: Option<Number>| -> Vec<f64> {
+            number.and_then(|number| number.value).into_iter().collect()
+        };
+        let checked = [
+            ("a_per_mm", all(&self.a_per_mm), document::Bounds::POSITIVE),
+            (
+                "a_times_r",
+                all(&self.a_times_r),
+                document::Bounds::POSITIVE,
+            ),
+            (
+                "roughness",
+                all(&self.roughness),
+                document::Bounds::NOT_NEGATIVE,
+            ),
+            ("mu", all(&self.mu), document::Bounds::NOT_NEGATIVE),
+            ("c_mm", one(self.c_mm), document::Bounds::NOT_NEGATIVE),
+            (
+                "angular_spread_mrad",
+                one(self.angular_spread_mrad),
+                document::Bounds::NOT_NEGATIVE,
+            ),
+            (
+                "dihedral_errors_mrad",
+                self.dihedral_errors_mrad
+                    .into_iter()
+                    .flatten()
+                    .flat_map(|own| one(Some(own)))
+                    .collect(),
+                DIHEDRAL,
+            ),
+            (
+                "surface_roughness",
+                one(self.surface_roughness),
+                document::Bounds::NOT_NEGATIVE,
+            ),
+            (
+                "half_mirror",
+                vec![self.half_mirror],
+                document::Bounds::SHARE,
+            ),
+        ];
+        all_within(checked)?;
+        self.camera.check()
+    }
+
     /// Returns a table of the sheet as the light of the setup sees it. Predictions take this one.
     ///
     /// # Errors
@@ -363,22 +380,6 @@ impl Written<'_> {
     }
 }
 
-/// Converts a row of the comparison.
-fn candidate(row: &Ranked) -> Candidate {
-    let kernel = row.choice.kernel;
-    Candidate {
-        kernel,
-        lobe: kernel.has_lobe().then_some(row.choice.shape),
-        sharing: sharing(kernel, row.choice.per_angle_a),
-        criterion: row.criterion,
-        own_blur: row.choice.further.own_blur,
-        angular_spread: row.choice.further.angular_spread,
-        dihedral_errors: row.choice.further.common_errors,
-        loss: row.chi2,
-        parameters: row.parameters,
-    }
-}
-
 impl ResultFile {
     /// Returns the dihedral error at each edge.
     pub fn dihedral_errors(&self) -> [Option<Parameter>; 3] {
@@ -398,20 +399,6 @@ impl ResultFile {
     pub fn spread(&self) -> Option<&Parameter> {
         let a = self.a_per_mm.as_ref().or(self.a_times_r.as_ref());
         a.or(self.roughness.as_ref())
-    }
-}
-
-/// Describes how the spread is shared by the incidence angles, for example "a per angle".
-pub fn sharing(kernel: Kernel, per_angle: bool) -> String {
-    let name = if kernel.is_baseline() {
-        "roughness"
-    } else {
-        "a"
-    };
-    match (kernel.has_lobe(), per_angle) {
-        (false, _) => "none".into(),
-        (true, false) => format!("{name} shared"),
-        (true, true) => format!("{name} per angle"),
     }
 }
 

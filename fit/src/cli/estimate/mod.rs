@@ -363,8 +363,8 @@ pub(crate) fn check_model(
 /// Reads a RESULT.json: of one fit, or the named channel of a file with several channels.
 ///
 /// # Errors
-/// Returns [`Failure::Json`] if the file cannot be read, holds no result, or one of a camera that
-/// cannot be. Returns [`Failure::Channel`] if it holds several channels and `channel` names none of
+/// Returns [`Failure::Json`] if the file cannot be read, holds no result, or one of a sheet or a
+/// camera that cannot be. Returns [`Failure::Channel`] if it holds several channels and `channel` names none of
 /// them.
 pub(crate) fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultFile, Failure> {
     let expected = "`fit estimate -o` wrote";
@@ -381,7 +381,7 @@ pub(crate) fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultF
             held.remove(name).ok_or_else(|| channels(held))?
         }
     };
-    match result.camera.check() {
+    match result.check() {
         Err(estimator::Error::Number {
             what,
             value,

@@ -285,21 +285,48 @@ mod tests {
         let said = none.warnings.last().unwrap();
         assert!(said.contains("what is missing counts as 1"), "{said}");
 
+        // A damaged result is refused by the key. Before, covariances that do not match their names
+        // were left out without a word.
         let file = folder.path().join("r.json");
-        let read = |pitch: f64| {
-            let mut own = both.clone();
-            own.camera.pixel_pitch_mm = pitch;
-            std::fs::write(&file, calls::json(&own)).unwrap();
+        let read = |damage: &dyn Fn(&mut serde_json::Value)| {
+            let mut own: serde_json::Value = serde_json::from_str(&calls::json(&both)).unwrap();
+            damage(&mut own);
+            std::fs::write(&file, own.to_string()).unwrap();
             calls::read(&file, None)
         };
-        assert!(read(0.1).is_ok());
-        let Err(refused) = read(-0.1) else {
-            panic!("a pixel of -0.1 mm")
-        };
-        let said = refused.to_string();
-        assert!(
-            said.contains("r.json: `camera.pixel_pitch_mm` is -0.1 but must be greater than 0"),
-            "{said}"
-        );
+        assert!(read(&|_| ()).is_ok());
+        type Damage = fn(&mut serde_json::Value);
+        let refused: [(Damage, &str); 6] = [
+            (
+                |own| own["camera"]["pixel_pitch_mm"] = (-0.1).into(),
+                "`camera.pixel_pitch_mm` is -0.1 but must be greater than 0",
+            ),
+            (|own| own["c_mm"]["value"] = (-0.1).into(), "`c_mm` is -0.1"),
+            (
+                |own| own["covariance"]["matrix"] = serde_json::json!([[1.0]]),
+                "matrix is not",
+            ),
+            (
+                |own| {
+                    own["covariance"] = serde_json::json!({"names": ["c_mm"], "matrix": [[-1.0]]});
+                },
+                "the variance of c_mm is -1",
+            ),
+            (
+                |own| own["c_mm"] = serde_json::json!({"valu": 0.2}),
+                "missing field",
+            ),
+            (
+                |own| own["mu"] = serde_json::json!({"valu": 0.2}),
+                "Parameter at line",
+            ),
+        ];
+        for (damage, expected) in refused {
+            let Err(failure) = read(&damage) else {
+                panic!("{expected} is not said");
+            };
+            let said = failure.to_string();
+            assert!(said.contains("r.json") && said.contains(expected), "{said}");
+        }
     }
 }

@@ -397,7 +397,7 @@ fn hostile_results_are_refused() {
         let mut hostile = honest.clone();
         hostile[*key]["value"] = value.clone();
         write(&hostile);
-        refused(here, &predict, 1, &format!("{key} is"));
+        refused(here, &predict, 1, &format!("r.json: `{key}` is"));
     }
     println!("{} results", cases.len());
 }

@@ -81,7 +81,7 @@ fn from_all_sides(scene: &Scene, choice: Choice) -> Option<Optimum> {
 pub(super) fn and_more(scene: &Scene, loss: &Loss, fit: &Optimum, misfit: f64) -> Option<Optimum> {
     let at = &fit.solution.parameters;
     let penalty = (loss.observations() as f64).ln();
-    let score = Score::new(scene, loss, fit.choice, at)?;
+    let score = Score::new(scene, loss, (fit.choice, at), Further::ALL)?;
     let steps = Further::SINGLE.into_iter().filter_map(|further| {
         let (fall, values) = score.step(further)?;
         let least = PROMISING * (further.count() as f64 * penalty + CLEAR) * misfit;

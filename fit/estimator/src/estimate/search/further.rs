@@ -239,7 +239,13 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
         } else {
             loss.start(&row.at)
         };
-        let Some(score) = Score::new(scene, loss, row.choice, &at) else {
+        // Of the others nobody asks for dihedral errors, whose columns cost most.
+        let asked = if is_best(row) {
+            Further::ALL
+        } else {
+            Further::ALL.without(Further::COMMON_ERRORS)
+        };
+        let Some(score) = Score::new(scene, loss, (row.choice, &at), asked) else {
             continue;
         };
         let penalty = |further: Further| further.count() as f64 * criteria.penalty;

@@ -73,7 +73,8 @@ pub(crate) fn hidden(
     fit: &Estimate,
     unit: f64,
 ) -> (Option<(ParameterId, Bound)>, Vec<Hint>) {
-    let Some(score) = Score::new(scene, loss, fit.choice, &fit.solution.parameters) else {
+    let at = (fit.choice, &fit.solution.parameters);
+    let Some(score) = Score::new(scene, loss, at, Further::ALL) else {
         return (None, Vec::new());
     };
     let found = Further::SINGLE

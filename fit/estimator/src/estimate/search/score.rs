@@ -50,17 +50,18 @@ pub(crate) struct Score {
 }
 
 impl Score {
-    /// Evaluates the score of a candidate at `at`: its parameters, with those of the lens if the
-    /// loss has them. Returns `None` if the candidate has all blurs, or if the photographs do not
-    /// determine its parameters.
+    /// Evaluates the score of a candidate along those of the blurs `asked` that it may have and does
+    /// not have. `at` holds its parameters, with those of the lens if the loss has them. Returns
+    /// `None` if there is no such blur, or if the photographs do not determine its parameters.
     pub(crate) fn new(
         scene: &Scene,
         loss: &Loss,
-        choice: Choice,
-        at: &DVector<f64>,
+        (choice, at): (Choice, &DVector<f64>),
+        asked: Further,
     ) -> Option<Score> {
         let own = choice.further;
-        let further = possible(scene, choice.kernel).without(own);
+        let others = Further::ALL.without(asked).and(own);
+        let further = possible(scene, choice.kernel).without(others);
         let choice = Choice {
             further: own.and(further),
             ..choice

@@ -393,7 +393,8 @@ impl Doubts<'_> {
         if choice.kernel.is_baseline() || own.angular_spread || own.common_errors {
             return None;
         }
-        let score = Score::new(scene, loss, choice, &best.solution.parameters);
+        let at = (choice, &best.solution.parameters);
+        let score = Score::new(scene, loss, at, Further::COMMON_ERRORS);
         let told = score.and_then(|score| score.equal_errors());
         let (step, changes) = match told.filter(|_| loss.kind() != Kind::Mse) {
             Some(error) => {
