@@ -240,11 +240,8 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
             loss.start(&row.at)
         };
         // Of the others nobody asks for dihedral errors, whose columns cost most.
-        let asked = if is_best(row) {
-            Further::ALL
-        } else {
-            Further::ALL.without(Further::COMMON_ERRORS)
-        };
+        let mut asked = Further::ALL;
+        asked.common_errors = is_best(row);
         let Some(score) = Score::new(scene, loss, (row.choice, &at), asked) else {
             continue;
         };
