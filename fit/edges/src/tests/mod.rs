@@ -9,7 +9,7 @@ mod jpeg;
 mod noise;
 mod pages;
 mod photo_formats;
-mod photographs;
+pub(crate) mod photographs;
 mod ripples;
 mod transfers;
 mod uneven;

@@ -53,12 +53,11 @@ pub(crate) fn excess_on_edge(
     let is_steep = cos.abs() >= sin.abs();
     let centre = [window.width(), window.height()].map(|side| 0.5 * (side as f64 - 1.0));
     let ruler = line.ruler();
-    let level = lines(profile);
     let off = |column: usize, row: usize| {
         let (x, y) = (column as f64 - centre[0], row as f64 - centre[1]);
         let (s, t) = ruler.place(x, y);
         let value = f64::from(window.at(column, row));
-        let level = level(s).filter(|_| !value.is_nan())?;
+        let level = profile.at(s).filter(|_| !value.is_nan())?;
         Some((s, t, level, value - level))
     };
     let half_px = centre[0] * sin.abs() + centre[1] * cos.abs();
@@ -115,26 +114,6 @@ pub(crate) fn excess_on_edge(
     let of_sides = part(all[0] - all[1], low, beside[0][0]) + part(all[1], high, beside[1][0]);
     let error = (of_edge + ratio.powi(2) * of_sides).sqrt();
     (ratio - SURE * error > MUCH).then_some(ratio)
-}
-
-/// Returns the profile on straight lines between the means of its bins, each at the mean distance of
-/// its pixels. An edge that is inclined by a ratio of small numbers has few distances: from the middles
-/// of the bins the lines would miss its pixels by as much as their noise.
-fn lines(profile: &Profile) -> impl Fn(f64) -> Option<f64> {
-    let filled = (0..profile.len()).filter(|&j| profile.count[j] > 0.0);
-    let points: Vec<[f64; 2]> = filled
-        .map(|j| {
-            [
-                profile.distance_px(j) + profile.excess[j][0],
-                profile.mean[j],
-            ]
-        })
-        .collect();
-    move |distance_px| {
-        let next = points.partition_point(|point| point[0] <= distance_px);
-        let ([x, y], [to_x, to_y]) = (*points.get(next.checked_sub(1)?)?, *points.get(next)?);
-        Some(y + (to_y - y) * (distance_px - x) / (to_x - x))
-    }
 }
 
 /// Returns by how much the light beside the edge overshoots the bright plateau and undershoots the
