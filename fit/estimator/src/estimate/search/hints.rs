@@ -55,14 +55,28 @@ impl Hint {
             None => 0.0,
         };
         let n = own.len();
-        let scatter = DMatrix::from_fn(n, n, |i, j| {
-            let beyond = unit.map_or(0.0, |unit| unit * beyond(i, j));
-            change(i) * change(j) + beyond
-        });
+        let mut scatter = DMatrix::from_fn(n, n, |i, j| change(i) * change(j));
+        if let Some(unit) = unit {
+            let error = |i: usize| covariance(fit, i, i).sqrt();
+            let relative = |i, j| beyond(i, j) / (error(i) * error(j));
+            let larger = positive_part(DMatrix::from_fn(n, n, relative))?;
+            scatter += DMatrix::from_fn(n, n, |i, j| unit * larger[(i, j)] * error(i) * error(j));
+        }
         let is_finite = scatter.iter().all(|v| v.is_finite());
-        let grows = (0..n).all(|i| scatter[(i, i)] >= 0.0);
-        (is_finite && grows).then_some(Hint { scatter, said })
+        is_finite.then_some(Hint { scatter, said })
     }
+}
+
+/// Returns what is positive of a symmetric matrix, or `None` if it is not finite.
+///
+/// An estimate with other blurs may know some parameters better, and others less well.
+fn positive_part(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    if !matrix.iter().all(|v| v.is_finite()) {
+        return None;
+    }
+    let mut eigen = matrix.symmetric_eigen();
+    eigen.eigenvalues.apply(|value| *value = value.max(0.0));
+    Some(eigen.recompose())
 }
 
 /// Looks for blurs that the pixels do not ask for: returns the bound of a spread, and the blurs that they
