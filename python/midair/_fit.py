@@ -228,7 +228,8 @@ class Result:
     warnings : list of str
         Doubts about the campaign, and about each photograph.
     suspects : list of dict
-        Mistakes that would explain why the fit is not good (key ``what``), the best first.
+        Mistakes (key ``what``) that would explain a misfit, a further blur, or why mu differs (key
+        ``explains``), the best first.
     chi2, degrees_of_freedom : float or None
         Sum of squares in units of the noise, and the number that noise alone would give. They
         depend on the photographs and on the loss, so compare them between fits by one loss.

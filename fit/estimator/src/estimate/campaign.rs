@@ -150,12 +150,15 @@ pub struct Estimated {
     remarks: Vec<String>,
     /// True if the photographs decided whether mu differs between the incidences.
     mu_was_open: bool,
+    /// Estimate without the further blurs, if the best one has some.
+    unblurred: Option<(Estimate, Goodness)>,
 }
 
 impl Estimated {
     /// Returns whether [`Estimated::diagnose`] would search for suspects, which takes time.
     pub fn needs_diagnosis(&self, options: &Options) -> bool {
-        self.goodness.verdict != Verdict::Good && options.diagnose != Some(Duration::ZERO)
+        let is_open = self.goodness.verdict != Verdict::Good || self.unblurred.is_some();
+        is_open && options.diagnose != Some(Duration::ZERO)
     }
 
     /// Searches for the mistakes that would explain the misfit, and says them in the warnings. All
@@ -195,6 +198,7 @@ impl Estimated {
             fit: &self.best,
             tried: &self.compared,
             goodness: &self.goodness,
+            unblurred: self.unblurred.as_ref(),
             progress,
             // A time that no clock can tell is no limit.
             until: options
@@ -292,6 +296,7 @@ pub fn undiagnosed(
         hints,
         loss,
         sampled,
+        unblurred,
     } = fitted(&scene, table, &candidates, options, progress)?;
     let kind = options.kind();
     if let Some(found) = &azimuth {
@@ -322,9 +327,10 @@ pub fn undiagnosed(
     let trusted = doubted.unverified();
     warnings.extend(left_out);
     warnings.extend(hints);
-    let diagnosis = match goodness.verdict {
-        Verdict::Good => Diagnosis::NOT_NEEDED,
-        Verdict::Strained | Verdict::Poor => Diagnosis::NOT_MADE,
+    let diagnosis = if goodness.verdict == Verdict::Good && unblurred.is_none() {
+        Diagnosis::NOT_NEEDED
+    } else {
+        Diagnosis::NOT_MADE
     };
     let mut estimated = Estimated {
         campaign,
@@ -343,6 +349,7 @@ pub fn undiagnosed(
         near,
         remarks: warnings,
         mu_was_open: candidates.per_angle_mu.is_none(),
+        unblurred,
     };
     estimated.warn();
     Ok(estimated)
@@ -361,6 +368,8 @@ struct SceneFit<'a> {
     loss: Loss<'a>,
     /// Scene with the samples of the estimate, if the model was evaluated by samples.
     sampled: Option<Scene>,
+    /// Estimate without the further blurs, if the best one has some.
+    unblurred: Option<(Estimate, Goodness)>,
 }
 
 /// Factor on the standard errors above which no bound is computed, and no effect of what is taken on
@@ -390,9 +399,13 @@ fn fitted<'a>(
     // A blur that leaves a poor fit explains nothing. It would only hide the mistake that is
     // searched for.
     if telling.verdict == Verdict::Poor && selection.best.choice.further != Further::NONE {
-        (selection.best, selection.compared) = plain;
+        (selection.best, selection.compared) = plain.clone();
         telling = goodness::of(scene, &selection.loss, &selection.best);
     }
+    let unblurred = (selection.best.choice.further != Further::NONE).then(|| {
+        let goodness = goodness::of(scene, &selection.loss, &plain.0);
+        (plain.0, goodness)
+    });
     let unit = telling.scale.powi(2);
     let mut found = Bounds::new();
     let mut hints = Vec::new();
@@ -450,6 +463,7 @@ fn fitted<'a>(
         hints: hints.into_iter().filter_map(|hint| hint.said).collect(),
         loss,
         sampled,
+        unblurred,
     })
 }
 

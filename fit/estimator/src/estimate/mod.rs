@@ -49,6 +49,6 @@ pub use search::select::{CLEAR, own_mu_limit, scatter_of_mu};
 pub use trust::doubts::Doubted;
 pub use trust::goodness::of as goodness;
 pub use trust::goodness::{Chances, Goodness, Verdict, Worst};
-pub use trust::suspects::{Diagnosis, OtherTable, Suspect};
+pub use trust::suspects::{Diagnosis, Explains, OtherTable, Suspect};
 pub use trust::unverified::in_words as unverified_in_words;
 pub use trust::unverified::{Effect, Unverified, UnverifiedInput};

@@ -73,6 +73,22 @@ pub struct Suspect {
     /// Verdict on the fit without the mistake; null in older results.
     #[serde(default)]
     pub verdict_if_so: Option<Verdict>,
+    /// What the mistake would explain.
+    #[serde(default)]
+    pub explains: Explains,
+}
+
+/// What a suspect would explain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Explains {
+    /// A misfit.
+    #[default]
+    Misfit,
+    /// Why mu differs between the incidences of a good fit.
+    DifferingMu,
+    /// What a good fit takes for a further blur.
+    FurtherBlur,
 }
 
 impl Suspect {
@@ -132,6 +148,7 @@ impl OtherTable {
 }
 
 /// Inputs of the search.
+#[derive(Clone, Copy)]
 pub(crate) struct Search<'a> {
     pub campaign: &'a Campaign,
     pub photo: &'a Source<'a>,
@@ -144,6 +161,8 @@ pub(crate) struct Search<'a> {
     /// Candidates that were compared.
     pub tried: &'a [Ranked],
     pub goodness: &'a Goodness,
+    /// Fit without the further blurs, if `fit` has some.
+    pub unblurred: Option<&'a (Estimate, Goodness)>,
     pub progress: &'a Progress<'a>,
     /// Time at which the search ends; `None` if it has no limit.
     pub until: Option<Instant>,
@@ -199,9 +218,20 @@ struct Outcome {
     fit: Optimum,
 }
 
+impl Tally {
+    fn into_diagnosis(self) -> Diagnosis {
+        Diagnosis {
+            complete: !self.cut.into_inner(),
+            tried: self.done.into_inner(),
+            of: self.of.into_inner(),
+        }
+    }
+}
+
 impl Search<'_> {
     /// Returns the mistakes that would explain the misfit, the best first. If the fit is good, they
-    /// would explain why mu differs between the incidences, which is looked at if `mu_was_open`.
+    /// would explain its further blur as well, or else why mu differs between the incidences, which
+    /// is looked at if `mu_was_open`.
     ///
     /// # Errors
     /// Returns [`Cancelled`] if the flag of the progress is set.
@@ -210,15 +240,23 @@ impl Search<'_> {
         mu_was_open: bool,
     ) -> Result<(Vec<Suspect>, Diagnosis), Cancelled> {
         if self.goodness.verdict == Verdict::Good {
-            let differs = mu_was_open.then(|| self.of_differing_mu());
-            return Ok((differs.unwrap_or_default(), Diagnosis::NOT_NEEDED));
+            let (mut found, diagnosis) = self.instead_of_further_blurs()?;
+            if found.is_empty() && mu_was_open {
+                found = self.of_differing_mu();
+            }
+            return Ok((found, diagnosis));
         }
         if self.goodness.reduced > 0 {
             // The camera is the mistake.
             return Ok((Vec::new(), Diagnosis::NOT_NEEDED));
         }
         let tally = Tally::default();
-        let mut found = self.of_blur(&tally)?;
+        // A baseline seldom has the shape of the blur, so the least misfit is no sign of a mistake.
+        let mut found = if self.goodness.scale > 1.0 && !self.fit.choice.kernel.is_baseline() {
+            self.of_blur(&self.not_tried(), [0.0; 2], &tally)?
+        } else {
+            Vec::new()
+        };
         // What is left of a wrong blur moves the levels of light too.
         if found.is_empty() && !self.is_over(&tally) {
             let mut light: Vec<Named> = self.exposure().into_iter().collect();
@@ -227,12 +265,40 @@ impl Search<'_> {
             }
             found = comparable(light);
         }
-        let diagnosis = Diagnosis {
-            complete: !tally.cut.into_inner(),
-            tried: tally.done.into_inner(),
-            of: tally.of.into_inner(),
+        Ok((found, tally.into_diagnosis()))
+    }
+
+    /// Returns the mistakes that explain the photographs as well as the further blurs of a good fit.
+    ///
+    /// A mistake may look like a blur: a turned axis, or the table of another cell.
+    fn instead_of_further_blurs(&self) -> Result<(Vec<Suspect>, Diagnosis), Cancelled> {
+        let Some((fit, goodness)) = self.unblurred else {
+            return Ok((Vec::new(), Diagnosis::NOT_NEEDED));
         };
-        Ok((found, diagnosis))
+        let tally = Tally::default();
+        let unblurred = Search {
+            fit,
+            goodness,
+            ..*self
+        };
+        // What noise and model leave, however many photographs there are.
+        let own = self.excess();
+        let by_mtfs = refined_to(
+            ROUGH,
+            self.scene,
+            &Loss::Mtf(self.scene),
+            self.fit.optimum(),
+        );
+        let floor = [freed(&by_mtfs, self.scene), own];
+        let mut found = unblurred.of_blur(&[], floor, &tally)?;
+        found.retain(|other| {
+            let left = other.chi2_if_so - other.degrees_of_freedom_if_so as f64;
+            other.leaves_noise() && left - own <= SURE
+        });
+        for other in &mut found {
+            other.explains = Explains::FurtherBlur;
+        }
+        Ok((found, tally.into_diagnosis()))
     }
 
     /// Returns whether the time is over, and notes it.
@@ -252,21 +318,28 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Returns the mistakes that would explain the misfit of the blur.
-    fn of_blur(&self, tally: &Tally) -> Result<Vec<Suspect>, Cancelled> {
-        // A baseline seldom has the shape of the blur, so the least misfit is no sign of a mistake.
-        if self.goodness.scale <= 1.0 || self.fit.choice.kernel.is_baseline() {
-            return Ok(Vec::new());
-        }
+    /// Returns the excess of the sum of squares over its degrees of freedom.
+    fn excess(&self) -> f64 {
+        self.goodness.chi2 - self.goodness.degrees_of_freedom as f64
+    }
+
+    /// Returns the mistakes that would explain the misfit of the blur. If one of these `blurs` leaves
+    /// none, no mistake is looked for. `floor` is the excess without a misfit, by the MTFs and by the
+    /// loss.
+    fn of_blur(
+        &self,
+        blurs: &[Alternative],
+        floor: [f64; 2],
+        tally: &Tally,
+    ) -> Result<Vec<Suspect>, Cancelled> {
         let Some(now) = self.at_least(self.scene, &[self.fit.choice]) else {
             return Ok(Vec::new());
         };
-        let blurs = self.not_tried();
         tally.of.fetch_add(blurs.len(), Ordering::Relaxed);
-        let mut named = self.named(now.excess, &blurs, tally)?;
+        let mut named = self.named((now.excess, floor), blurs, tally)?;
         if !named.iter().any(|own| own.suspect.leaves_noise()) {
             let likeliest = self.likeliest(&now, tally)?;
-            named.extend(self.named(now.excess, &likeliest, tally)?);
+            named.extend(self.named((now.excess, floor), &likeliest, tally)?);
         }
         Ok(comparable(named))
     }
@@ -351,10 +424,11 @@ impl Search<'_> {
     }
 
     /// Returns those of the alternatives that explain the misfit of the blur. The MTFs have the
-    /// excess `now` with the mistake.
+    /// excess `now` with the mistake. `floor` is the excess without a misfit, by the MTFs and by the
+    /// loss.
     fn named(
         &self,
-        now: f64,
+        (now, floor): (f64, [f64; 2]),
         alternatives: &[Alternative],
         tally: &Tally,
     ) -> Result<Vec<Named>, Cancelled> {
@@ -371,13 +445,14 @@ impl Search<'_> {
             Ok(found.map(|found| (found.excess + own.cost, (order, own), found)))
         });
         let tried = tried.collect::<Result<Vec<_>, Cancelled>>()?;
-        let enough = |left: f64| now - left > SURE.max(EXPLAINED * now);
+        let enough =
+            |now: f64, left: f64, floor: f64| now - left > SURE.max(EXPLAINED * (now - floor));
         let mut rough: Vec<(f64, (usize, &Alternative), Outcome)> =
             tried.into_iter().flatten().collect();
-        rough.retain(|&(left, ..)| enough(left));
+        rough.retain(|&(left, ..)| enough(now, left, floor[0]));
         rough.sort_by(|a, b| a.0.total_cmp(&b.0));
         rough.truncate(BEST);
-        let excess = self.goodness.chi2 - self.goodness.degrees_of_freedom as f64;
+        let excess = self.excess();
         let named = rough.into_par_iter().filter_map(|(_, (order, own), near)| {
             if self.is_over(tally) {
                 return None;
@@ -385,8 +460,7 @@ impl Search<'_> {
             let scene = &own.scene;
             let (loss, fit) = self.by_the_loss(scene, near)?;
             let left = freed(&fit, scene) + own.cost;
-            let enough = excess - left > SURE.max(EXPLAINED * excess);
-            enough.then(|| {
+            enough(excess, left, floor[1]).then(|| {
                 let fit = estimate(scene, &loss, fit);
                 Named {
                     suspect: Suspect {
@@ -395,6 +469,7 @@ impl Search<'_> {
                         chi2_if_so: fit.chi2,
                         degrees_of_freedom_if_so: fit.degrees_of_freedom(),
                         verdict_if_so: Some(goodness::of(scene, &loss, &fit).verdict),
+                        explains: Explains::Misfit,
                     },
                     left,
                     order,

@@ -8,7 +8,7 @@ use crate::estimate::search::hints::edge_by_edge;
 use crate::estimate::search::layout::Value;
 use crate::estimate::search::select::{CLEAR, Ranked};
 use crate::estimate::trust::goodness::{Goodness, POOR_LENS, Verdict};
-use crate::estimate::trust::suspects::{Diagnosis, Suspect};
+use crate::estimate::trust::suspects::{Diagnosis, Explains, Suspect};
 use crate::model::Further;
 use edges::names::Kernel;
 
@@ -207,11 +207,7 @@ fn misfit(
         return Some(reduced_noise(goodness));
     }
     match goodness.verdict {
-        Verdict::Good if !said.is_empty() => Some(format!(
-            "mu differs between the incidences, as it does in real sheets. But it would be one \
-            number if {said}"
-        )),
-        Verdict::Good => None,
+        Verdict::Good => beside_a_good_fit(suspects, &said),
         Verdict::Strained if of_blur <= 1.0 => {
             let remedy = if said.is_empty() {
                 format!(
@@ -268,6 +264,22 @@ fn misfit(
             ))
         }
     }
+}
+
+/// Returns a warning about what mistakes would explain in a good fit. `said` names them.
+fn beside_a_good_fit(suspects: &[Suspect], said: &str) -> Option<String> {
+    let explains = suspects.first()?.explains;
+    Some(if explains == Explains::FurtherBlur {
+        format!(
+            "what is taken for a further blur may be a mistake: the photographs would fit as well \
+            without it if {said}. Check that first: c, a and mu depend on it"
+        )
+    } else {
+        format!(
+            "mu differs between the incidences, as it does in real sheets. But it would be one \
+            number if {said}"
+        )
+    })
 }
 
 /// Returns the warning about a camera that changed the edges.

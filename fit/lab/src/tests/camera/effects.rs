@@ -353,6 +353,8 @@ struct Outcome {
     pulls: [Option<f64>; 3],
     /// Whether a further blur, terms of the lens or noise reduction were found.
     is_named: bool,
+    /// Whether a good fit is put down to a mistake, of which there is none.
+    is_blamed: bool,
     /// Whether the lens of the mid-air photographs, and the dihedral angles, are taken on trust: no
     /// photograph shows a smaller difference from those of the reference and the table.
     trusts: [bool; 2],
@@ -385,18 +387,23 @@ fn outcome(drawn: &Drawn, number: u64) -> Option<Outcome> {
     let given = trial::campaign(&params, &[]);
     let options = Options::new(Candidates::proposed());
     let found = undiagnosed(&given, &source, &table, &options, &Progress::SILENT);
-    let found = match found {
+    let mut found = match found {
         Ok(found) => found,
         Err(error) => {
             println!("   {effect:?}: {error}");
             return None;
         }
     };
+    if found.goodness.verdict == Verdict::Good {
+        let searched = found.diagnose(&source, &table, &options, &Progress::SILENT);
+        searched.expect("nobody cancels the search");
+    }
     Some(Outcome {
         place,
         verdict: found.goodness.verdict,
         pulls: pulls(&found, planted),
         is_named: is_named(&found),
+        is_blamed: !found.suspects.is_empty(),
         trusts: ["lens", "dihedral_angles"]
             .map(|name| found.trusted.iter().any(|own| own.what.name() == name)),
     })
@@ -485,10 +492,11 @@ fn stated_intervals_hold_beside_effects_of_laboratories() {
             let size = |part: f64| drawn.range[0] * (drawn.range[1] / drawn.range[0]).powf(part);
             let from = third as f64 / 3.0;
             print!(
-                "  {:.3} to {:.3}: {} named, {} on trust (largest error of c {:.1}) ",
+                "  {:.3} to {:.3}: {} named, {} blamed, {} on trust (largest error of c {:.1}) ",
                 size(from),
                 size(from + 1.0 / 3.0),
                 rows.iter().filter(|own| own.is_named).count(),
+                rows.iter().filter(|own| own.is_blamed).count(),
                 hidden.len(),
                 largest(&hidden, 0)
             );

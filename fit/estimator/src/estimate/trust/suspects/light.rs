@@ -15,7 +15,7 @@ use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::{optimum, refined};
 use crate::estimate::trust::goodness::Verdict;
 use crate::estimate::trust::suspects::{
-    Alternative, EXPLAINED, Named, Otherwise, SURE, Search, Suspect, Tally,
+    Alternative, EXPLAINED, Explains, Named, Otherwise, SURE, Search, Suspect, Tally,
 };
 use edges::numerics::chance;
 
@@ -139,6 +139,7 @@ impl Search<'_> {
                 chi2_if_so: squares,
                 degrees_of_freedom_if_so: freedom,
                 verdict_if_so: Some(Verdict::Good),
+                explains: Explains::DifferingMu,
             })
         };
         let mut found: Vec<Suspect> = all.iter().filter_map(agrees).collect();
@@ -218,6 +219,7 @@ impl Search<'_> {
             chi2_if_so: squares,
             degrees_of_freedom_if_so: freedom,
             verdict_if_so: Some(verdict),
+            explains: Explains::Misfit,
         }
     }
 }
