@@ -232,7 +232,7 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
     let others = compared.iter().filter(|row| !is_best(row));
     let hopeful = others.filter(|row| row.criterion <= HOPELESS * least + CLEAR);
     let mut fits: Vec<Optimum> = Vec::new();
-    let (mut beaten, mut is_bent) = (least, false);
+    let (mut beaten, mut stepped) = (least, None);
     for row in chosen.chain(hopeful) {
         let at = if is_best(row) {
             best.solution.parameters.clone()
@@ -254,11 +254,10 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
                 row.criterion - fall + penalty(further) < beaten
             }
         };
-        if is_best(row) {
-            let fall = score
-                .step(Further::COMMON_ERRORS)
-                .map_or(0.0, |(fall, _)| fall);
-            is_bent = is_promising(Further::COMMON_ERRORS, fall, beaten);
+        let errors = Further::COMMON_ERRORS;
+        let step = score.step(errors).filter(|_| is_best(row));
+        if let Some((_, values)) = step.filter(|&(fall, _)| is_promising(errors, fall, beaten)) {
+            stepped = Some(fitted(scene, loss, (row.choice, &at), errors, &values));
         }
         for further in TRIED {
             let Some((fall, variances)) = score.step(further) else {
@@ -277,7 +276,7 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
     let criterion = |fit: &Optimum| fit.criterion(misfit);
     let order = |a: &&Optimum, b: &&Optimum| criterion(a).total_cmp(&criterion(b));
     let blurred = fits.iter().min_by(order).cloned();
-    if is_bent || blurred.is_some() {
+    if stepped.is_some() || blurred.is_some() {
         // Errors may look like a spread of each angle.
         let shared = Choice {
             per_angle_a: false,
@@ -287,7 +286,7 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
         let choices = choices.take(1 + usize::from(best.choice != shared));
         let bent = cubes::bent(scene, choices, blurred.as_ref());
         let bent = bent.into_iter().map(|fit| refined(scene, loss, fit));
-        let all: Vec<Optimum> = blurred.into_iter().chain(bent).collect();
+        let all: Vec<Optimum> = blurred.into_iter().chain(stepped).chain(bent).collect();
         for fit in all.into_iter().filter(is_found) {
             let more = and_more(scene, loss, &fit, misfit);
             fits.extend(std::iter::once(fit).chain(more));

@@ -214,3 +214,34 @@ fn bound(loss: &Loss, score: &Score, unit: f64) -> Option<(ParameterId, Bound)> 
     };
     Some((ParameterKind::AngularSpread.shared(), bound))
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::*;
+
+    /// Matrices with the eigenvectors (0.8, 0.6) and (-0.6, 0.8) and known eigenvalues, with and
+    /// without the negative ones. Sums of numbers up to 9 round by less than 1e-14.
+    #[test]
+    fn the_positive_part_keeps_positive_eigenvalues() {
+        let of = |[a, b]: [f64; 2]| {
+            let basis = DMatrix::from_row_slice(2, 2, &[0.8, -0.6, 0.6, 0.8]);
+            &basis * DMatrix::from_diagonal(&DVector::from_vec(vec![a, b])) * basis.transpose()
+        };
+        let cases = [
+            [9.0, 2.0],
+            [9.0, -2.0],
+            [-3.0, 1.0],
+            [-3.0, -1.0],
+            [0.0, 0.0],
+        ];
+        for values in cases {
+            let found = positive_part(of(values)).expect("is finite");
+            let expected = of(values.map(|value| value.max(0.0)));
+            assert!((found - expected).norm() < 1e-13, "{values:?}");
+        }
+        assert_eq!(positive_part(of([f64::NAN, 1.0])), None);
+        assert_eq!(cases.len(), 5);
+    }
+}
