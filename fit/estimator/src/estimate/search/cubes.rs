@@ -12,7 +12,9 @@ use crate::estimate::search::further::{PROMISING, fitted, is_found};
 use crate::estimate::search::hints::{Hint, edge_by_edge};
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
-use crate::estimate::search::optimum::{Optimum, ROUGH, from_each_with, nearest, refined};
+use crate::estimate::search::optimum::{
+    COARSE, Optimum, ROUGH, from_each_with, nearest, refined, refined_to,
+};
 use crate::estimate::search::score::{Score, possible};
 use crate::estimate::search::select::{CLEAR, Ranked};
 use crate::estimate::search::start;
@@ -33,8 +35,9 @@ const TRIED: [[f64; 3]; 7] = [
 /// Sizes of the errors of the search, mrad.
 const SIZES_MRAD: [f64; 4] = [0.02, 0.06, 0.18, 0.5];
 
-/// Number of errors of the search from which the candidate is fitted.
-const STARTS: usize = 4;
+/// Number of errors of the search from which the candidate is fitted. Errors with opposite signs have
+/// several minima, and the fourth best start may still lead to a wrong one.
+const STARTS: usize = 12;
 
 /// Sum of squares of the MTFs from which on errors are far behind a Gaussian blur. The pixels, which know
 /// more, would put them farther behind.
@@ -72,8 +75,9 @@ fn from_all_sides(scene: &Scene, choice: Choice) -> Option<Optimum> {
     let starts = start::bent(scene, choice, errors.collect()).into_iter();
     let starts = starts.take(STARTS);
     let starts = starts.map(|(start, errors)| (start, errors.to_vec()));
-    let fits = from_each_with(ROUGH, scene, choice, starts.collect());
-    nearest(fits.iter()).cloned()
+    let fits = from_each_with(COARSE, scene, choice, starts.collect());
+    let nearest = nearest(fits.iter())?.clone();
+    Some(refined_to(ROUGH, scene, &Loss::Mtf(scene), nearest))
 }
 
 /// Returns a fit with a blur more than `fit`, if a step says that the criterion would fall. `misfit` is the

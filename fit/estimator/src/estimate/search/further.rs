@@ -301,16 +301,21 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
 /// explain enough of `misfit`.
 fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) -> Vec<Optimum> {
     const FEW: usize = 3;
-    let plain = compared.par_iter().map(|row| rough(scene, row.choice));
-    let plain = plain.map(|fit| fit.reduced_chi2());
-    let plain = plain.reduce(|| f64::INFINITY, f64::min);
+    // Dihedral errors, which take longest, do not mend a kernel that is so many times farther off.
+    const FARTHER: f64 = 10.0;
+    let each = compared.par_iter().map(|row| rough(scene, row.choice));
+    let each: Vec<f64> = each.map(|fit| fit.reduced_chi2()).collect();
+    let plain = each.iter().copied().fold(f64::INFINITY, f64::min);
     let all = compared.iter().flat_map(|row| opened(scene, row.choice));
     let choices: Vec<Choice> = all.filter(|own| !own.further.common_errors).collect();
     let fits = choices.into_par_iter().map(|choice| rough(scene, choice));
     let mut fits: Vec<Optimum> = fits.collect();
     fits.sort_by(|a, b| a.criterion(1.0).total_cmp(&b.criterion(1.0)));
-    let shared = compared.iter().map(|row| row.choice);
-    let shared = shared.filter(|own| !own.per_angle_a);
+    let near = compared.iter().zip(&each);
+    let near = near.filter(|&(_, &own)| own <= FARTHER * plain);
+    let shared = near
+        .map(|(row, _)| row.choice)
+        .filter(|own| !own.per_angle_a);
     fits.extend(cubes::bent(scene, shared, fits.first()));
     fits.retain(|fit| {
         let left = fit.reduced_chi2() - 1.0;
