@@ -396,16 +396,18 @@ fn fitted<'a>(
         selection = further::added(scene, candidates, selection);
     }
     let mut telling = goodness::of(scene, &selection.loss, &selection.best);
-    // A blur that leaves a poor fit explains nothing. It would only hide the mistake that is
-    // searched for.
-    if telling.verdict == Verdict::Poor && selection.best.choice.further != Further::NONE {
-        (selection.best, selection.compared) = plain.clone();
-        telling = goodness::of(scene, &selection.loss, &selection.best);
+    let mut unblurred = None;
+    if selection.best.choice.further != Further::NONE {
+        let own = goodness::of(scene, &selection.loss, &plain.0);
+        // A blur that leaves a poor fit explains nothing. It would only hide the mistake that is
+        // searched for.
+        if telling.verdict == Verdict::Poor {
+            (selection.best, selection.compared) = plain;
+            telling = own;
+        } else {
+            unblurred = Some((plain.0, own));
+        }
     }
-    let unblurred = (selection.best.choice.further != Further::NONE).then(|| {
-        let goodness = goodness::of(scene, &selection.loss, &plain.0);
-        (plain.0, goodness)
-    });
     let unit = telling.scale.powi(2);
     let mut found = Bounds::new();
     let mut hints = Vec::new();

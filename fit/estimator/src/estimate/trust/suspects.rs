@@ -6,6 +6,7 @@
 //! sums of squares are compared. A suspect is named if the sum of squares falls by at least half of
 //! its excess, by more than chance allows, and if no other one explains the photographs far better.
 //! Other kernels and lobes come first. If one of them leaves no misfit, no mistake is searched for.
+//! A good fit with a further blur is searched from the fit without it: a mistake may look like a blur.
 //!
 //! The search may have a limit of time. Its order does not depend on the time, so a search that
 //! comes to its end is always the same one. [`Diagnosis`] says whether it did.

@@ -56,6 +56,13 @@ fn eq1() -> Options {
     })
 }
 
+/// Turns the tangential axes of all photographs by 90 degrees.
+fn turn_axes(manifest: &mut Campaign) {
+    for capture in &mut manifest.captures {
+        capture.tangential_axis_deg = 90.0;
+    }
+}
+
 /// Checks that one mistake of the manifest is noticed, and that its name comes first.
 fn is_named(named: &str, mistake: impl FnOnce(&mut Campaign)) {
     let (sheet, shots) = planted();
@@ -134,9 +141,7 @@ fn suspects_are_reported_and_can_be_cancelled() {
     let (sheet, shots) = planted();
     let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);
     let mut manifest = manifest_of(&shots, &[]);
-    for capture in &mut manifest.captures {
-        capture.tangential_axis_deg = 90.0;
-    }
+    turn_axes(&mut manifest);
     let photographs = source_of(&shots, photograph::saved);
     for cancels in [false, true] {
         let (cancel, told) = (AtomicBool::new(false), Mutex::new(Vec::new()));
@@ -169,11 +174,7 @@ fn suspects_are_reported_and_can_be_cancelled() {
 #[test]
 #[ignore = "seconds: `make test-full` runs it"]
 fn a_turned_axis_is_named() {
-    is_named("the tangential axis is off by 90 deg", |manifest| {
-        for capture in &mut manifest.captures {
-            capture.tangential_axis_deg = 90.0;
-        }
-    });
+    is_named("the tangential axis is off by 90 deg", turn_axes);
 }
 
 /// Where edges run in one direction, a turned axis may end as a good fit with a further blur, of cells
@@ -189,12 +190,7 @@ fn a_turned_axis_that_looks_like_a_further_blur_is_named() {
         let right = found(&shots, &of_ideal, &eq1(), |_| ()).unwrap();
         assert_eq!(right.goodness.verdict, Verdict::Good);
         assert_eq!(right.suspects, []);
-        let turned = |manifest: &mut Campaign| {
-            for capture in &mut manifest.captures {
-                capture.tangential_axis_deg = 90.0;
-            }
-        };
-        let found = found(&shots, &of_ideal, &eq1(), turned).unwrap();
+        let found = found(&shots, &of_ideal, &eq1(), turn_axes).unwrap();
         let (verdict, suspects) = (found.goodness.verdict, &found.suspects);
         println!("{c} mm: {verdict:?}, c {:?}, {suspects:?}", found.best.c_mm);
         let named = "the tangential axis is off by 90 deg";
