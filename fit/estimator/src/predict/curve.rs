@@ -15,6 +15,8 @@ pub(crate) struct Line {
     kernel: Kernel,
     shape: LobeShape,
     shift: Option<ShiftLine>,
+    /// The shift with its derivatives by dihedral errors; `None` if the result has no such errors.
+    bent: Option<ShiftLine>,
     wave: Option<WaveLine>,
     baseline: Option<Baseline>,
     normal: [f64; 2],
@@ -46,10 +48,14 @@ impl Line {
             .then(|| wave::line(direction, incidence, normal, result.wavelength_nm.as_ref()))
             .transpose()?;
         let index = sheet.table.provenance.refractive_index;
+        let bent = (result.dihedral_errors_mrad.is_some())
+            .then(|| ShiftLine::with_errors(direction, incidence, normal, index))
+            .flatten();
         Ok(Some(Line {
             kernel: result.kernel,
             shape: result.lobe.unwrap_or(LobeShape::Radial),
             shift,
+            bent,
             wave,
             baseline: Baseline::new(result.kernel, incidence, index, normal),
             normal,
@@ -70,8 +76,8 @@ impl Line {
                 baseline: self.baseline,
                 r_mm,
                 normal: self.normal,
-                // Errors of the cubes are part of the directions.
-                bent: None,
+                // Errors of the cubes are part of the directions: those of the blur are 0.
+                bent: self.bent.as_ref(),
                 further: Further::NONE,
                 ghost: self.stray.ghost,
                 haze: self.stray.haze,
@@ -88,14 +94,14 @@ pub(crate) struct Curve<'a> {
     blur: Blur,
 }
 
-/// A number of a prediction, and its derivatives by spread, c and the angular spread.
+/// A number of a prediction, and its derivatives by the parameters of the blur.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Derived {
     /// The number itself.
     pub value: f64,
-    /// Derivatives by the spread and by c, in the units of [`Blur`], and by the angular spread in
-    /// mrad.
-    pub by_blur: [f64; 3],
+    /// Derivatives by the spread and by c, in the units of [`Blur`], and by the angular spread and the
+    /// dihedral errors in mrad.
+    pub by_blur: [f64; 6],
 }
 
 /// First and last frequency at which a crossing is looked for, 1/mm.
@@ -137,12 +143,16 @@ impl Curve<'_> {
         let [_, by_variance] = self.model.further_slopes(frequency_per_mm);
         let spread_mrad = self.blur.angular_spread_mrad2.sqrt();
         let by_angular = value * by_variance * 2.0 * spread_mrad;
+        let [e1, e2, e3] = otf.by_errors.map(slope);
         Derived {
             value,
             by_blur: [
                 own(otf.by_ln_spread, self.blur.spread),
                 own(otf.by_ln_c, self.blur.c_mm),
                 by_angular,
+                e1,
+                e2,
+                e3,
             ],
         }
     }

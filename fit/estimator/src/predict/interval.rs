@@ -24,8 +24,8 @@ type Rows = Option<Vec<(usize, f64)>>;
 /// Errors of the parameters at one incidence.
 pub(crate) struct Uncertainty<'a> {
     matrix: &'a [Vec<Option<f64>>],
-    /// Spread, c, angular spread, and mu.
-    rows: [Rows; 4],
+    /// Spread, c, angular spread, dihedral errors at the edges 1, 2 and 3, and mu.
+    rows: [Rows; 7],
 }
 
 impl<'a> Uncertainty<'a> {
@@ -51,28 +51,33 @@ impl<'a> Uncertainty<'a> {
         let one = |kind: ParameterKind| row(kind.shared()).map(|row| vec![(row, 1.0)]);
         let size = one(ParameterKind::size_of(kernel));
         let of = |kind, parameter: Option<&Parameter>| parameter.and_then(|own| rows(kind, own));
+        let [e1, e2, e3] = ParameterKind::DIHEDRAL_ERRORS.map(one);
         Uncertainty {
             matrix: &result.covariance.matrix,
             rows: [
                 of(ParameterKind::spread_of(kernel), result.spread()),
                 size,
                 one(ParameterKind::AngularSpread),
+                e1,
+                e2,
+                e3,
                 of(ParameterKind::Mu, result.mu.as_ref()),
             ],
         }
     }
 
     /// Returns the standard error of a number with the given derivatives by spread, c, the angular
-    /// spread and mu.
+    /// spread, the dihedral errors and mu.
     ///
     /// It is `None` without a covariance, and if that has no finite entry for a parameter on which
     /// the number depends.
-    pub(crate) fn standard_error(&self, by: [f64; 4]) -> Option<f64> {
+    pub(crate) fn standard_error(&self, blur: [f64; 6], by_mu: f64) -> Option<f64> {
         if self.matrix.is_empty() {
             return None;
         }
         let mut gradient = vec![0.0; self.matrix.len()];
-        for (by, rows) in by.into_iter().zip(&self.rows) {
+        let all = blur.into_iter().chain([by_mu]);
+        for (by, rows) in all.zip(&self.rows) {
             if by != 0.0 {
                 for &(row, weight) in rows.as_ref()? {
                     *gradient.get_mut(row)? += by * weight;
@@ -92,15 +97,13 @@ impl<'a> Uncertainty<'a> {
     /// Returns the standard error of a number of the blur. `beside` is a standard error that the
     /// parameters do not cause.
     pub(crate) fn of_blur(&self, number: &Derived, beside: f64) -> Option<f64> {
-        let [by_spread, by_c, by_angular] = number.by_blur;
-        let by = [by_spread, by_c, by_angular, 0.0];
-        Some(self.standard_error(by)?.hypot(beside))
+        Some(self.standard_error(number.by_blur, 0.0)?.hypot(beside))
     }
 
     /// Returns the standard error of a luminance, which is `by_mu` times mu. `beside` is a standard
     /// error that mu does not cause.
     pub(crate) fn of_luminance(&self, by_mu: f64, beside: f64) -> Option<f64> {
-        Some(self.standard_error([0.0, 0.0, 0.0, by_mu])?.hypot(beside))
+        Some(self.standard_error([0.0; 6], by_mu)?.hypot(beside))
     }
 }
 

@@ -234,8 +234,7 @@ fn letter(at: &Incidence<'_>, curves: &[AxisCurve<'_>; 2], viewing: Viewing) -> 
         })
         .collect();
     let by_azimuth = half_difference(sides.as_deref().unwrap_or_default());
-    let [by_spread, by_c, by_angular] = found.by_blur;
-    let error = (at.uncertainty).standard_error([by_spread, by_c, by_angular, by_mu]);
+    let error = (at.uncertainty).standard_error(found.by_blur, by_mu);
     Letter {
         height_mm: Number {
             value: Some(height_mm),

@@ -279,6 +279,11 @@ pub(in crate::cli) fn made(
             sharp; `fit render` includes it"
         )
     }));
+    warnings.extend(sheet.result.dihedral_errors_mrad.map(|_| {
+        "the bands of the page leave out what is not known of the dihedral errors; `fit predict` \
+        includes it"
+            .to_owned()
+    }));
     let shown = arguments.width.zip(arguments.distance);
     warnings.extend(shown.and_then(|(width, distance)| spacious(width, distance)));
     let explorer = Explorer {

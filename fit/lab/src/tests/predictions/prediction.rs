@@ -10,7 +10,7 @@ use crate::simulate::photograph::photograph;
 use crate::study::trial::{campaign, source};
 use crate::tests::estimates::azimuth::all_azimuths;
 use crate::tests::studies::statistics::check;
-use edges::names::{Kernel, LobeShape, ParameterId};
+use edges::names::{Kernel, LobeShape, ParameterId, ParameterKind};
 use estimator::estimate::campaign::campaign as estimated;
 use estimator::estimate::{Candidates, Options, Progress};
 use estimator::predict::{Places, Prediction, Viewpoint, predict, remarks};
@@ -77,7 +77,7 @@ pub(super) fn result(kernel: Kernel, lobe: LobeShape, table: &Table) -> ResultFi
 }
 
 fn spread_key(kernel: Kernel) -> &'static str {
-    edges::names::ParameterKind::spread_of(kernel).name()
+    ParameterKind::spread_of(kernel).name()
 }
 
 fn places(floating_distance_mm: f64, incidence_deg: f64, frequency_per_mm: Vec<f64>) -> Places {
@@ -120,33 +120,42 @@ fn crossings_do_not_depend_on_the_listed_frequencies() {
 /// error to either side, and the changes of all numbers are summed with the covariance. A
 /// difference over 1e-3 of an error of 2 % has an error of 1e-10 of the third derivative, and the
 /// rounding of 1e-15 over a step of 2e-5 leaves 1e-10. The derivatives of lobes and lines are those
-/// of their interpolation, to 1e-4.
+/// of their interpolation, to 1e-4. Two results have an angular spread and dihedral errors, which are
+/// moved in the table that is predicted from.
 #[test]
 fn intervals_are_those_of_differences() {
     let planted = truth(Kernel::Wave, LobeShape::Radial, 4.0, 0.24, 0.25);
     let table = table(&planted, &[0.0, 10.0, 40.0], 20.0);
     let mut cases = 0;
     let mut worst = 0.0_f64;
-    for kernel in [
-        Kernel::Eq1,
-        Kernel::Angular,
-        Kernel::Shift,
-        Kernel::Lobe,
-        Kernel::Wave,
-        Kernel::Saito,
-        Kernel::SaitoSurface,
-        Kernel::Mrm,
+    for (kernel, is_bent) in [
+        (Kernel::Eq1, false),
+        (Kernel::Angular, false),
+        (Kernel::Shift, false),
+        (Kernel::Lobe, false),
+        (Kernel::Wave, false),
+        (Kernel::Saito, false),
+        (Kernel::SaitoSurface, false),
+        (Kernel::Mrm, false),
+        (Kernel::Eq1, true),
+        (Kernel::Shift, true),
     ] {
         let shape = if kernel.is_baseline() {
             LobeShape::Ggx
         } else {
             LobeShape::Radial
         };
-        let result = result(kernel, shape, &table);
+        let mut result = result(kernel, shape, &table);
+        if is_bent {
+            result = with_bent_cubes(&result);
+        }
         for incidence_deg in [0.0, 10.0, 40.0] {
             let places = places(170.0, incidence_deg, vec![0.3, 0.9]);
+            let predicted = |result: &ResultFile| {
+                predict(result, &result.seen(&table).unwrap(), &places).unwrap()
+            };
             let numbers = |result: &ResultFile| -> Vec<f64> {
-                let all = predict(result, &table, &places).unwrap();
+                let all = predicted(result);
                 all.iter().flat_map(parts).collect()
             };
             let covariance = &result.covariance;
@@ -161,7 +170,7 @@ fn intervals_are_those_of_differences() {
                     pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect()
                 })
                 .collect();
-            let all = predict(&result, &table, &places).unwrap();
+            let all = predicted(&result);
             let intervals: Vec<[f64; 2]> = all.iter().flat_map(ends).collect();
             for (k, (value, [low, high])) in numbers(&result).into_iter().zip(intervals).enumerate()
             {
@@ -183,7 +192,7 @@ fn intervals_are_those_of_differences() {
         }
     }
     println!("{cases} intervals, off by up to {worst:.1e} of themselves");
-    assert_eq!(cases, 8 * 3 * 2 * 5);
+    assert_eq!(cases, 10 * 3 * 2 * 5);
 }
 
 /// Intervals hold the error of eta by rays, and that of a fitted azimuth: half the difference
@@ -280,6 +289,38 @@ fn ends(found: &Prediction) -> Vec<[f64; 2]> {
         .collect()
 }
 
+/// Key of the dihedral errors.
+const ERRORS: &str = "dihedral_errors_mrad";
+
+/// A result that also has an angular spread and dihedral errors, each with an error that depends on
+/// those of the other parameters.
+fn with_bent_cubes(result: &ResultFile) -> ResultFile {
+    let mut bent = serde_json::to_value(result).unwrap();
+    let number = |value: f64| json!({"value": value, "standard_error": 0.1 * value.abs()});
+    let added = [0.3, 0.2, -0.1, 0.15];
+    bent["angular_spread_mrad"] = number(added[0]);
+    bent[ERRORS] = json!([number(added[1]), number(added[2]), number(added[3])]);
+    let kinds = [ParameterKind::AngularSpread].into_iter();
+    let kinds = kinds.chain(ParameterKind::DIHEDRAL_ERRORS);
+    let own = &result.covariance;
+    let known = own.names.len();
+    let names = own.names.iter().map(|id| json!(id));
+    let names = names.chain(kinds.map(|kind| json!(kind.shared())));
+    bent["covariance"]["names"] = names.collect();
+    let error = |i: usize| match i.checked_sub(known) {
+        None => own.matrix[i][i].unwrap().sqrt(),
+        Some(k) => 0.1 * added[k].abs(),
+    };
+    let entry = |i: usize, j: usize| {
+        let correlation = if i == j { 1.0 } else { 0.3 };
+        correlation * error(i) * error(j)
+    };
+    let all = 0..known + added.len();
+    let row = |i: usize| -> Vec<f64> { all.clone().map(|j| entry(i, j)).collect() };
+    bent["covariance"]["matrix"] = all.clone().map(row).collect();
+    serde_json::from_value(bent).unwrap()
+}
+
 /// A result in which one parameter is moved.
 pub(super) fn with(result: &ResultFile, id: ParameterId, by: f64) -> ResultFile {
     let mut moved = serde_json::to_value(result).unwrap();
@@ -288,8 +329,11 @@ pub(super) fn with(result: &ResultFile, id: ParameterId, by: f64) -> ResultFile 
         Some(0.0) => "per_angle/0/value",
         Some(_) => "per_angle/1/value",
     };
+    let kinds = ParameterKind::DIHEDRAL_ERRORS;
+    let edge = kinds.iter().position(|&kind| kind == id.kind);
+    let key = edge.map_or(id.kind.name().to_owned(), |k| format!("{ERRORS}/{k}"));
     // A kernel without the parameter has null in its place.
-    if let Some(value) = moved.pointer_mut(&format!("/{}/{within}", id.kind.name())) {
+    if let Some(value) = moved.pointer_mut(&format!("/{key}/{within}")) {
         *value = json!(value.as_f64().unwrap() + by);
     }
     serde_json::from_value(moved).unwrap()
