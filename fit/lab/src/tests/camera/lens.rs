@@ -11,6 +11,7 @@ use edges::names::{Kernel, LobeShape};
 use edges::photographs::manifest::captures::Shot;
 use estimator::estimate::campaign::campaign;
 use estimator::estimate::{Candidates, Estimated, Kind, Options, Progress, Value, Verdict};
+use estimator::model::Further;
 
 const INCIDENCE: [f64; 2] = [0.0, 30.0];
 const TRUTH: [f64; 3] = [0.33, 3.4, 0.5];
@@ -211,21 +212,27 @@ fn a_gaussian_lens_has_no_terms() {
 }
 
 /// A lens that is not round needs a reference for each direction: with it c holds its stated error.
-/// The sum of squares of 3 errors exceeds 21.1 once in 10,000. With one reference c is too large by
-/// many of its errors.
+/// The sum of squares of 3 errors exceeds 21.1 once in 10,000. With one reference the difference between
+/// the directions is put down to the sheet: c holds within four errors, which are more than twice as
+/// large.
 #[test]
 #[ignore = "seconds: `make test-full` runs it"]
 fn an_astigmatic_lens_needs_two_references() {
     let all = squares(3, &astigmatic(), Some(94.0), Kind::Edge, |found| {
         assert_eq!(found.scene.optics.camera.lenses.len(), 2);
         assert_eq!(found.goodness.verdict, Verdict::Good);
+        assert_eq!(found.best.choice.further, Further::NONE);
         assert!(found.scene.farthest_from_reference_deg().unwrap() < 10.0);
     });
     assert!(all.iter().all(|&sum| sum < 21.1), "{all:?}");
     let params = planted(900, astigmatic(), true);
-    let found = estimated(&params, &[], Kind::Edge);
-    assert!(off(&found)[1][0] > 5.0, "{:?}", off(&found));
-    assert!(found.scene.farthest_from_reference_deg().unwrap() > 80.0);
+    let [one, two] =
+        [&[][..], &[(94.0, 1.0)]].map(|further| estimated(&params, further, Kind::Edge));
+    let error_of_c = |found: &Estimated| found.best.c_mm.unwrap().standard_error;
+    assert!(error_of_c(&one) > 2.0 * error_of_c(&two));
+    assert!(off(&one)[1][0].abs() < 4.0, "{:?}", off(&one));
+    assert_ne!(one.best.choice.further, Further::NONE);
+    assert!(one.scene.farthest_from_reference_deg().unwrap() > 80.0);
 }
 
 /// One more reference of the same direction lowers the error of the source's light by the root of
