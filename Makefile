@@ -100,7 +100,7 @@ WHOLE = AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --bins --test
 FIT = -p fit -p edges -p estimator -p lab -p pictures
 
 # The long parts that need nothing more than `test` does: `.ci/run` runs one of them after it.
-PARTS = test-statistics test-slowest test-pages test-package test-kills
+PARTS = test-statistics test-cameras test-slowest test-pages test-package test-kills
 .PHONY: $(PARTS) parts
 parts:
 	@echo $(PARTS)
@@ -113,7 +113,13 @@ test-full: check test $(PARTS) test-lean test-mpi test-raw test-mitsuba test-mat
 test-statistics: rust tools
 	@echo "== stated errors over hundreds of drawn campaigns, and other long tests of fit" >&2
 	@$(CARGO) test $(FIT) -p midair --lib --locked -- --ignored \
+		--skip $(CAMERAS) $(addprefix --skip ,$(SLOWEST))
+
+test-cameras: rust tools
+	@echo "== campaigns of what cameras and sheets have beside the model" >&2
+	@$(CARGO) test $(FIT) -p midair --lib --locked -- --ignored $(CAMERAS) \
 		$(addprefix --skip ,$(SLOWEST))
+CAMERAS = tests::camera::
 
 test-slowest: rust tools python
 	@echo "== the slowest statistics of fit, waves and programs of rays, uneven cubes" >&2

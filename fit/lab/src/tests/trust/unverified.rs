@@ -191,7 +191,11 @@ fn effects_are_those_of_estimates_with_other_inputs() {
     println!("{cases} effects, the worst at {worst:.2} of what is allowed");
     // Shift has two parameters, wave has two and one number more, the others have three.
     assert_eq!(cases + others, 9 * (3 + 3 + 2) + 10 * 2);
-    assert!(others <= 12, "{others} effects were not compared");
+    // Other inputs that look like a blur are a few.
+    assert!(
+        4 * others < cases,
+        "{others} effects were not compared, {cases} were"
+    );
     assert!(worst < 1.0, "{worst}");
 }
 
