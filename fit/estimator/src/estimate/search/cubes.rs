@@ -4,7 +4,7 @@
 //! cubes without errors finds small ones. Errors whose sum is 0 do nothing to first order in many
 //! directions, and large ones move the light of a path by more than its blur. Then steps from 0 lead
 //! nowhere. So the OTF is searched for the best c and spread of each of some errors, and the candidate
-//! is fitted to the MTFs from the best of them.
+//! is fitted to the MTFs from the best of them. The minima that this finds are compared by the loss.
 
 use crate::estimate::scene::Scene;
 use crate::estimate::search::fitted::{Estimate, estimate};
@@ -39,8 +39,11 @@ const SIZES_MRAD: [f64; 4] = [0.02, 0.06, 0.18, 0.5];
 /// several minima, and the fourth best start may still lead to a wrong one.
 const STARTS: usize = 12;
 
-/// Sum of squares of the MTFs from which on errors are far behind a Gaussian blur. The pixels, which know
-/// more, would put them farther behind.
+/// Number of minima that are kept. The pixels may prefer another one than the MTFs, or none.
+const MINIMA: usize = 3;
+
+/// Sum of squares of the MTFs from which on errors are far behind a Gaussian blur, or other errors. The
+/// pixels, which know more, would put them farther behind.
 const FAR_BEHIND: f64 = 30.0;
 
 /// Fits dihedral errors to the MTFs beside each of some candidates without further blurs. What is far
@@ -58,13 +61,14 @@ pub(super) fn bent(
         residuals.norm_squared() + FAR_BEHIND
     });
     let choices = choices.filter(|own| possible(scene, own.kernel).common_errors);
-    let fits = choices.filter_map(|choice| from_all_sides(scene, choice));
+    let fits = choices.flat_map(|choice| from_all_sides(scene, choice));
     fits.filter(|fit| fit.solution.sum_of_squares() < most)
         .collect()
 }
 
-/// Fits a candidate with dihedral errors and no other further blur to the MTFs.
-fn from_all_sides(scene: &Scene, choice: Choice) -> Option<Optimum> {
+/// Fits a candidate with dihedral errors and no other further blur to the MTFs. Returns its minima, the
+/// least first, without those that are far behind it.
+fn from_all_sides(scene: &Scene, choice: Choice) -> Vec<Optimum> {
     let choice = Choice {
         further: Further::COMMON_ERRORS,
         ..choice
@@ -75,9 +79,27 @@ fn from_all_sides(scene: &Scene, choice: Choice) -> Option<Optimum> {
     let starts = start::bent(scene, choice, errors.collect()).into_iter();
     let starts = starts.take(STARTS);
     let starts = starts.map(|(start, errors)| (start, errors.to_vec()));
-    let fits = from_each_with(COARSE, scene, choice, starts.collect());
-    let nearest = nearest(fits.iter())?.clone();
-    Some(refined_to(ROUGH, scene, &Loss::Mtf(scene), nearest))
+    let mut fits = from_each_with(COARSE, scene, choice, starts.collect());
+    let squares = |fit: &Optimum| fit.solution.sum_of_squares();
+    let mut minima: Vec<Optimum> = Vec::new();
+    while let Some(next) = nearest(fits.iter()).cloned() {
+        let least = minima.first().map_or(squares(&next), squares);
+        if minima.len() == MINIMA || squares(&next) > least + FAR_BEHIND {
+            break;
+        }
+        let fit = refined_to(ROUGH, scene, &Loss::Mtf(scene), next.clone());
+        // The MTFs tell the one from the other.
+        let is_other = |found: &Optimum, other: &Optimum| {
+            let step = &other.solution.parameters - &found.solution.parameters;
+            (&found.solution.jacobian * step).norm_squared() > CLEAR
+        };
+        fits.retain(|other| is_other(&next, other) && is_other(&fit, other));
+        if minima.iter().all(|found| is_other(found, &fit)) {
+            minima.push(fit);
+        }
+    }
+    minima.sort_by(|a, b| squares(a).total_cmp(&squares(b)));
+    minima
 }
 
 /// Returns a fit with a blur more than `fit`, if a step says that the criterion would fall. `misfit` is the

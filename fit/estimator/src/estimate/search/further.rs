@@ -24,7 +24,7 @@ use crate::estimate::search::cubes::{self, and_more};
 use crate::estimate::search::fitted::Estimate;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
-use crate::estimate::search::optimum::{Optimum, refined, rough};
+use crate::estimate::search::optimum::{Optimum, nearest, refined, rough};
 use crate::estimate::search::score::{Score, possible};
 use crate::estimate::search::select::{CLEAR, Candidates, HOPELESS, Ranked, Selection, with_mu};
 use crate::model::Further;
@@ -286,11 +286,10 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
         let choices = choices.take(1 + usize::from(best.choice != shared));
         let bent = cubes::bent(scene, choices, blurred.as_ref());
         let bent = bent.into_iter().map(|fit| refined(scene, loss, fit));
-        let all: Vec<Optimum> = blurred.into_iter().chain(stepped).chain(bent).collect();
-        for fit in all.into_iter().filter(is_found) {
-            let more = and_more(scene, loss, &fit, misfit);
-            fits.extend(std::iter::once(fit).chain(more));
-        }
+        let known = blurred.as_ref().map(|fit| fit.choice);
+        let all = blurred.into_iter().chain(stepped).chain(bent);
+        let more = with_more(scene, loss, all.filter(is_found).collect(), misfit);
+        fits.extend(more.into_iter().filter(|fit| Some(fit.choice) != known));
     }
     fits
 }
@@ -322,8 +321,14 @@ fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) 
         fit.solution.stop != Stop::Failed && left <= EXPLAINED * (plain - 1.0)
     });
     fits.sort_by(|a, b| a.criterion(1.0).total_cmp(&b.criterion(1.0)));
-    let mut found = Vec::new();
-    for fit in fits.into_iter().take(FEW) {
+    let (mut found, mut tried) = (Vec::new(), Vec::new());
+    for fit in fits {
+        if !tried.contains(&fit.choice) {
+            if tried.len() == FEW {
+                break;
+            }
+            tried.push(fit.choice);
+        }
         let fit = refined(scene, loss, fit);
         if !is_found(&fit) {
             continue;
@@ -332,7 +337,17 @@ fn from_the_start(scene: &Scene, loss: &Loss, compared: &[Ranked], misfit: f64) 
         if !explains(misfit, fit.reduced_chi2()) {
             break;
         }
-        found.extend(and_more(scene, loss, &fit, 1.0));
+        found.push(fit);
+    }
+    with_more(scene, loss, found, 1.0)
+}
+
+/// Returns the nearest fit of each candidate, and that with a blur more if it is promising.
+fn with_more(scene: &Scene, loss: &Loss, mut fits: Vec<Optimum>, misfit: f64) -> Vec<Optimum> {
+    let mut found = Vec::new();
+    while let Some(fit) = nearest(fits.iter()).cloned() {
+        fits.retain(|other| other.choice != fit.choice);
+        found.extend(and_more(scene, loss, &fit, misfit));
         found.push(fit);
     }
     found

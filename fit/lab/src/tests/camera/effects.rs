@@ -273,6 +273,9 @@ struct Drawn {
     effect: fn(f64) -> Effect,
 }
 
+/// Error of c, in standard errors, from which on a campaign is printed.
+const FAR_OFF: f64 = 4.0;
+
 /// Standard deviation of the reference's lens, pixels.
 const SIGMA_PX: f64 = 0.55;
 
@@ -398,10 +401,17 @@ fn outcome(drawn: &Drawn, number: u64) -> Option<Outcome> {
         let searched = found.diagnose(&source, &table, &options, &Progress::SILENT);
         searched.expect("nobody cancels the search");
     }
+    let pulls = pulls(&found, planted);
+    if pulls[0].is_some_and(|pull| pull.abs() > FAR_OFF) {
+        println!(
+            "   {number} {effect:?}: {:?} {pulls:.1?}",
+            found.goodness.verdict
+        );
+    }
     Some(Outcome {
         place,
         verdict: found.goodness.verdict,
-        pulls: pulls(&found, planted),
+        pulls,
         is_named: is_named(&found),
         is_blamed: !found.suspects.is_empty(),
         trusts: ["lens", "dihedral_angles"]
