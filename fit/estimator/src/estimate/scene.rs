@@ -73,6 +73,9 @@ pub struct Aerial {
     /// Angle by which the tangential axis lies further than the manifest says, from +x towards +y,
     /// radians; 0 except in a scene of [`Scene::perturbed`].
     pub axis_turn_rad: f64,
+    /// True if an own blur of the mid-air photographs is one of this photograph too; false only in a
+    /// scene in which those at another distance alone have one.
+    pub has_own_blur: bool,
     /// Samples of the photograph, if its model is evaluated by samples.
     pub sampled: Option<Sampled>,
 }

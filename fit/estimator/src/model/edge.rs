@@ -88,6 +88,8 @@ pub struct Model<'a> {
     pub normal: [f64; 2],
     /// Further blurs by whose parameters a fit needs derivatives.
     pub further: Further,
+    /// Share of the own blur that the photograph has.
+    pub own_blur_gain: f64,
     /// Second image of a thick half mirror.
     pub ghost: Option<Ghost>,
     /// Haze of a film; `None` for photographs, where it is part of the plateaus.
@@ -133,8 +135,8 @@ impl Model<'_> {
 
     /// Evaluates the factor of the OTF by the further blurs.
     fn further_otf(&self, blur: Blur, frequency: f64) -> f64 {
-        let [_, by_spread] = self.variances();
-        let variance_mm2 = blur.own_blur_mm2 + blur.angular_spread_mrad2 * by_spread;
+        let [by_own, by_spread] = self.variances();
+        let variance_mm2 = blur.own_blur_mm2 * by_own + blur.angular_spread_mrad2 * by_spread;
         further::otf(variance_mm2, frequency)
     }
 
@@ -142,7 +144,7 @@ impl Model<'_> {
     /// spread.
     fn variances(&self) -> [f64; 2] {
         [
-            1.0,
+            self.own_blur_gain,
             further::variance_per_mrad2(self.r_mm, self.normal, self.tangential_gain),
         ]
     }

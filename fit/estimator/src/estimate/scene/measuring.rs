@@ -190,6 +190,7 @@ impl Measuring<'_> {
             seen_in_mirror: setup.is_in_mirror(),
             ghost: setup.stray.ghost,
             axis_turn_rad: 0.0,
+            has_own_blur: true,
             sampled: None,
         }
     }

@@ -148,6 +148,7 @@ impl Scene {
             r_mm: conditions.r_mm,
             exposure: conditions.exposure,
             axis_turn_rad: conditions.axis_turn_rad,
+            has_own_blur: shot.has_own_blur,
             seen_in_mirror: conditions.seen_in_mirror,
             ghost: shot.ghost,
             sampled: None,

@@ -44,6 +44,7 @@ pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
         r_mm: shot.r_mm,
         normal: shot.normal(),
         further: choice.further,
+        own_blur_gain: f64::from(u8::from(shot.has_own_blur)),
         ghost: shot.ghost,
         haze: None,
         tangential_gain: tangential_gain(

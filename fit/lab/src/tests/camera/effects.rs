@@ -25,6 +25,8 @@ pub(super) enum Effect {
     Disc(f64),
     /// Another standard deviation of the lens than that of the reference, pixels.
     Lens(f64),
+    /// The same of the photographs at the nearer distance alone.
+    NearLens(f64),
     /// Independent errors of all dihedral angles of this standard deviation, mrad.
     Dihedral(f64),
     /// Errors of the dihedral angles at the edges 1, 2 and 3 of all cubes, mrad.
@@ -246,9 +248,11 @@ pub(super) fn taken(
         }
         _ => {}
     }
+    let is_near = |i: usize| params.captures[i].floating_distance_mm <= DISTANCES_MM[0];
     let camera = &mut other.camera;
     match effect {
         Effect::Lens(sigma_px) if index.is_some() => camera.sigma_px = sigma_px,
+        Effect::NearLens(sigma_px) if index.is_some_and(is_near) => camera.sigma_px = sigma_px,
         Effect::Pupil(blur_px) => camera.pupil_cutoff_per_px = Some(blur_px.recip()),
         Effect::Halo(share) => camera.halo_share = share,
         Effect::Sharpening(strength) => camera.sharpening = strength,
@@ -279,7 +283,10 @@ const FAR_OFF: f64 = 4.0;
 /// Standard deviation of the reference's lens, pixels.
 const SIGMA_PX: f64 = 0.55;
 
-const DRAWN: [Drawn; 13] = [
+/// Distances of the drawn campaigns, mm.
+const DISTANCES_MM: [f64; 2] = [150.0, 300.0];
+
+const DRAWN: [Drawn; 14] = [
     Drawn {
         name: "nothing",
         range: [0.1, 1.0],
@@ -294,6 +301,11 @@ const DRAWN: [Drawn; 13] = [
         name: "less sharp than the reference, px",
         range: [0.1, 1.0],
         effect: |px| Effect::Lens(SIGMA_PX.hypot(px)),
+    },
+    Drawn {
+        name: "less sharp at the nearer distance alone, px",
+        range: [0.1, 1.0],
+        effect: |px| Effect::NearLens(SIGMA_PX.hypot(px)),
     },
     Drawn {
         name: "sharper than the reference, px",
@@ -378,13 +390,7 @@ fn outcome(drawn: &Drawn, number: u64) -> Option<Outcome> {
     let sheet = truth(Kernel::Eq1, LobeShape::Radial, a, c, mu);
     let table = table(&sheet, &INCIDENCE, 20.0);
     let electrons = 10_f64.powf(stream.between(4.0, 5.0));
-    let mut params = params(
-        number,
-        sheet,
-        &INCIDENCE,
-        &[150.0, 300.0],
-        camera(electrons),
-    );
+    let mut params = params(number, sheet, &INCIDENCE, &DISTANCES_MM, camera(electrons));
     params.camera.source_level = 0.7;
     let source = trial::source(&params, |params, index| taken(effect, params, index));
     let given = trial::campaign(&params, &[]);
@@ -489,7 +495,7 @@ fn stated_intervals_hold_beside_effects_of_laboratories() {
             .collect();
         println!("{}: {} campaigns", drawn.name, all.len());
         let trusted = match (drawn.effect)(drawn.range[0]) {
-            Effect::Disc(_) | Effect::Lens(_) => Some(0),
+            Effect::Disc(_) | Effect::Lens(_) | Effect::NearLens(_) => Some(0),
             Effect::Common(_) => Some(1),
             _ => None,
         };

@@ -141,6 +141,33 @@ fn another_lens_is_found_and_named() {
     cases.into_par_iter().for_each(run);
 }
 
+/// Another focus at one of two distances makes a fit poor, and is the first suspect, with its blur to a
+/// tenth.
+#[test]
+#[ignore = "seconds: `make test-full` runs it"]
+fn another_focus_at_one_distance_is_named() {
+    let cases = [0.85, 1.0, 1.2];
+    let run = |sigma_px: f64| {
+        let Outcome { estimated, .. } = fitted(Effect::NearLens(sigma_px), 3, &[150.0, 300.0], 4e4);
+        let expected = (sigma_px.powi(2) - 0.55_f64.powi(2)).sqrt();
+        let first = estimated.suspects.first();
+        println!("{sigma_px} px: {:?} {first:?}", estimated.goodness.verdict);
+        assert_eq!(estimated.goodness.verdict, Verdict::Poor, "{sigma_px}");
+        let first = first.expect("there is a suspect");
+        assert!(first.leaves_noise(), "{sigma_px}: {first:?}");
+        let shots = estimated.scene.shots.iter();
+        let near = shots.filter(|shot| shot.r_mm == 150.0);
+        let near: Vec<String> = near.map(|shot| shot.image.clone()).collect();
+        assert_eq!(first.captures, near);
+        let (_, said) = first.what.split_once("blurred by ").expect("it is a blur");
+        let (blur, _) = said.split_once(" px").expect("it is in pixels");
+        let blur: f64 = blur.parse().expect("it is a number");
+        assert!((blur / expected - 1.0).abs() < 0.1, "{sigma_px}: {blur}");
+    };
+    assert_eq!(cases.len(), 3);
+    cases.into_par_iter().for_each(run);
+}
+
 /// A lens that differs too little for the criterion moves c by several errors of a fit without it.
 /// Where it differs from 0 by three errors, the stated errors include it, and the estimate stays.
 /// Larger differences are found.

@@ -408,7 +408,10 @@ impl Search<'_> {
             .into_iter()
             .map(|(kernel, shape)| self.of_blur_by(kernel, shape));
         let of_rays = of_rays.chain(self.of_waves());
-        of_rays.chain(self.of_common_errors()).collect()
+        let others = self.of_common_errors().into_iter();
+        of_rays
+            .chain(others.chain(self.of_another_focus()))
+            .collect()
     }
 
     /// Returns dihedral errors that all cubes share, if the table says which cubes return the light.
