@@ -149,23 +149,30 @@ class Estimate:
         The number, if all incidences share it.
     per_angle : dict
         Otherwise a value and a standard error for each incidence, degrees.
+    per_distance : dict
+        The same of a blur of its own at each floating distance, mm.
     """
 
     value: float | None
     standard_error: float | None
     per_angle: dict[float, tuple[float | None, float | None]]
+    per_distance: dict[float, tuple[float | None, float | None]] = field(default_factory=dict)
 
     @classmethod
     def _of(cls, number: Mapping[str, Any] | None) -> Estimate | None:
         if number is None:
             return None
-        if "per_angle" not in number:
-            return cls(number["value"], number["standard_error"], {})
-        each = {
-            entry["incidence_deg"]: (entry["value"], entry["standard_error"])
-            for entry in number["per_angle"]
-        }
-        return cls(None, None, each)
+
+        def each(places: str, place: str) -> dict[float, tuple[float | None, float | None]]:
+            entries = number.get(places, [])
+            return {own[place]: (own["value"], own["standard_error"]) for own in entries}
+
+        return cls(
+            number.get("value"),
+            number.get("standard_error"),
+            each("per_angle", "incidence_deg"),
+            each("per_distance", "floating_distance_mm"),
+        )
 
     def __str__(self) -> str:
         def one(value: float | None, error: float | None) -> str:
@@ -173,9 +180,11 @@ class Estimate:
                 return "only bounded"
             return f"{value:.5g}" + ("" if error is None else f" ± {error:.2g}")
 
-        if not self.per_angle:
+        places = [(f"{deg:g}°", pair) for deg, pair in self.per_angle.items()]
+        places += [(f"{mm:g} mm", pair) for mm, pair in self.per_distance.items()]
+        if not places:
             return one(self.value, self.standard_error)
-        return ", ".join(f"{one(*pair)} at {deg:g}°" for deg, pair in self.per_angle.items())
+        return ", ".join(f"{one(*pair)} at {place}" for place, pair in places)
 
 
 @dataclass(frozen=True)

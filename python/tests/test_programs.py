@@ -114,6 +114,20 @@ class Numbers(Case):
             self.assertEqual(timeless(json.loads(result.to_json())), timeless(told))
         self.tell(len(given), "estimates")
 
+    def test_numbers_of_each_angle_or_distance(self) -> None:
+        number = {"value": 0.5, "standard_error": 0.25}
+        written = [
+            (number, "0.5 ± 0.25"),
+            ({"per_angle": [{"incidence_deg": 20, **number}]}, "0.5 ± 0.25 at 20°"),
+            ({"per_distance": [{"floating_distance_mm": 150, **number}]}, "0.5 ± 0.25 at 150 mm"),
+        ]
+        for given, expected in written:
+            self.assertEqual(str(midair.Estimate._of(given)), expected)
+        apart = midair.Estimate._of(written[2][0])
+        assert apart is not None
+        self.assertEqual(apart.per_distance, {150: (0.5, 0.25)})
+        self.tell(len(written), "forms")
+
     def test_predictions(self) -> None:
         file = self.folder / "result.json"
         result = quiet(midair.estimate, CAMPAIGN, self.table)

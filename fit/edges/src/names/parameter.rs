@@ -105,26 +105,27 @@ impl ParameterKind {
         matches!(self, ParameterKind::APerMm | ParameterKind::ATimesR)
     }
 
-    /// Returns the parameter of this kind that all angles share.
+    /// Returns the parameter of this kind that all photographs share.
     pub const fn shared(self) -> ParameterId {
         ParameterId {
             kind: self,
-            incidence_deg: None,
+            at: None,
         }
     }
 
-    /// Returns the parameter of this kind at one incidence, degrees.
-    pub const fn at(self, incidence_deg: f64) -> ParameterId {
+    /// Returns the parameter of this kind at one incidence (degrees) or floating distance (mm).
+    pub const fn at(self, at: f64) -> ParameterId {
         ParameterId {
             kind: self,
-            incidence_deg: Some(incidence_deg),
+            at: Some(at),
         }
     }
 
-    /// Returns one parameter for each incidence (degrees) if `per_angle` is set, else one for all.
-    pub fn each(self, incidence_deg: &[f64], per_angle: bool) -> Vec<ParameterId> {
-        if per_angle {
-            incidence_deg.iter().map(|&angle| self.at(angle)).collect()
+    /// Returns one parameter for each incidence (degrees) or floating distance (mm) if `apart` is set,
+    /// else one for all.
+    pub fn each(self, places: &[f64], apart: bool) -> Vec<ParameterId> {
+        if apart {
+            places.iter().map(|&place| self.at(place)).collect()
         } else {
             vec![self.shared()]
         }
@@ -137,18 +138,31 @@ impl ParameterKind {
 pub struct ParameterId {
     /// The quantity that the parameter measures.
     pub kind: ParameterKind,
-    /// Incidence that the parameter belongs to, degrees; `None` if all angles share the parameter.
-    pub incidence_deg: Option<f64>,
+    /// Incidence that the parameter belongs to, degrees; for a blur that the reference does not have
+    /// the floating distance, mm; `None` if all photographs share the parameter.
+    pub at: Option<f64>,
 }
 
-/// Text between the kind and the incidence in files.
+impl ParameterId {
+    /// Returns the incidence or the floating distance with its unit; `None` if all photographs share
+    /// the parameter.
+    pub fn place(self) -> Option<String> {
+        let at = self.at?;
+        Some(match self.kind {
+            ParameterKind::OwnBlur => format!("{at} mm"),
+            _ => format!("{at}\u{b0}"),
+        })
+    }
+}
+
+/// Text between the kind and the incidence or distance in files.
 const AT: &str = "_at_";
 
 impl fmt::Display for ParameterId {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(self.kind.name())?;
-        match self.incidence_deg {
-            Some(angle) => write!(formatter, "{AT}{angle}"),
+        match self.at {
+            Some(place) => write!(formatter, "{AT}{place}"),
             None => Ok(()),
         }
     }
@@ -158,8 +172,8 @@ impl fmt::Display for ParameterId {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "\"{text}\" is no parameter; write c_mm, a_per_mm, a_times_r, roughness, surface_roughness, \
-    own_blur_px, angular_spread_mrad, dihedral_error_1_mrad (2, 3) or mu, with _at_ and the incidence where there is one per \
-    angle"
+    own_blur_px, angular_spread_mrad, dihedral_error_1_mrad (2, 3) or mu, with _at_ and the incidence \
+    where there is one per angle, or the floating distance of a blur"
 )]
 pub struct NoParameter {
     /// The text that was given.
@@ -171,8 +185,8 @@ impl FromStr for ParameterId {
 
     fn from_str(text: &str) -> Result<ParameterId, NoParameter> {
         let no = || NoParameter { text: text.into() };
-        let (name, angle) = match text.split_once(AT) {
-            Some((name, angle)) => (name, Some(angle.parse().map_err(|_| no())?)),
+        let (name, at) = match text.split_once(AT) {
+            Some((name, place)) => (name, Some(place.parse().map_err(|_| no())?)),
             None => (text, None),
         };
         let kind = ParameterKind::ALL
@@ -180,7 +194,7 @@ impl FromStr for ParameterId {
             .find(|kind| kind.name() == name);
         Ok(ParameterId {
             kind: kind.ok_or_else(no)?,
-            incidence_deg: angle,
+            at,
         })
     }
 }

@@ -23,7 +23,7 @@ pub use progress::{Progress, Step};
 pub use scene::perturbed::{Conditions, OtherIndex};
 pub use scene::reference::measure as measured_reference;
 pub use scene::reference::measure_parametric;
-pub use scene::{Aerial, Scene};
+pub use scene::{Aerial, Place, Scene};
 pub use search::azimuth::{Azimuth, find, scatter};
 pub use search::bound::Bound;
 pub(crate) use search::bound::Bounds;

@@ -38,6 +38,15 @@ use edges::photographs::photo::taken::Taken;
 /// Function that supplies the photograph of a shot.
 pub type Source<'a> = dyn Fn(&captures::Shot) -> Result<Photo, captures::Error> + Sync + 'a;
 
+/// Place of a photograph in its scene: what it shares with which others.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Place {
+    /// Index into [`Scene::groups`].
+    pub group: usize,
+    /// Index into [`Scene::distances_mm`].
+    pub distance: usize,
+}
+
 /// One photograph of the mid-air edge, with its direction of the table.
 #[derive(Clone)]
 pub struct Aerial {
@@ -47,8 +56,10 @@ pub struct Aerial {
     pub incidence_deg: f64,
     /// Floating distance (optical path R), mm.
     pub r_mm: f64,
-    /// Index into [`Scene::groups`].
-    pub group: usize,
+    /// Floating distance as the manifest states it, mm, by which photographs share a focus.
+    pub floating_distance_mm: f64,
+    /// Incidence and distance among those of the scene.
+    pub place: Place,
     /// Exposure relative to that of the reference.
     pub exposure: f64,
     /// Relative error of the exposure by rounded shutter times, see [`captures::Shot::rounding`].
@@ -73,9 +84,6 @@ pub struct Aerial {
     /// Angle by which the tangential axis lies further than the manifest says, from +x towards +y,
     /// radians; 0 except in a scene of [`Scene::perturbed`].
     pub axis_turn_rad: f64,
-    /// True if an own blur of the mid-air photographs is one of this photograph too; false only in a
-    /// scene in which those at another distance alone have one.
-    pub has_own_blur: bool,
     /// Samples of the photograph, if its model is evaluated by samples.
     pub sampled: Option<Sampled>,
 }
@@ -102,6 +110,8 @@ pub struct Scene {
     pub shots: Vec<Aerial>,
     /// Different incidences, degrees, ascending.
     pub groups: Vec<f64>,
+    /// Different floating distances, mm, ascending.
+    pub distances_mm: Vec<f64>,
     /// Measured references: the photographs of the source edge.
     pub reference: Option<Arc<Reference>>,
     /// Camera: box of a pixel, and the lens. Without a reference the lens is assumed.
@@ -196,7 +206,7 @@ impl Scene {
                 .iter()
                 .map(|shot| (&*shot.image, shot.r_mm, &*shot.view)),
         ));
-        let groups = group(&mut shots);
+        let (groups, distances_mm) = placed(&mut shots);
         if let Some(reference) = &reference {
             let sharper = shots
                 .iter()
@@ -219,6 +229,7 @@ impl Scene {
         Ok(Scene {
             shots,
             groups,
+            distances_mm,
             reference: reference.map(Arc::new),
             optics,
             half_mirror: setup.half_mirror_transmittance * setup.half_mirror_reflectance,
@@ -228,10 +239,12 @@ impl Scene {
     }
 
     /// Returns the scene with these photographs instead of its own.
-    pub(super) fn with(&self, shots: Vec<Aerial>) -> Scene {
+    pub(super) fn with(&self, mut shots: Vec<Aerial>) -> Scene {
+        let (groups, distances_mm) = placed(&mut shots);
         Scene {
             shots,
-            groups: self.groups.clone(),
+            groups,
+            distances_mm,
             reference: self.reference.clone(),
             optics: self.optics.clone(),
             half_mirror: self.half_mirror,
@@ -244,11 +257,7 @@ impl Scene {
     pub fn without(&self, left_out: usize) -> Scene {
         let mut shots = self.shots.clone();
         shots.remove(left_out);
-        let groups = group(&mut shots);
-        Scene {
-            groups,
-            ..self.with(shots)
-        }
+        self.with(shots)
     }
 
     /// Returns the scene with samples, by which the model of each photograph is evaluated.
@@ -325,14 +334,23 @@ impl Scene {
     }
 }
 
-/// Returns the different incidences, ascending, and sets the group of each photograph.
-pub(super) fn group(shots: &mut [Aerial]) -> Vec<f64> {
-    let mut groups: Vec<f64> = shots.iter().map(|s| s.incidence_deg).collect();
-    groups.sort_by(f64::total_cmp);
-    groups.dedup();
+/// Sets the place of each photograph. Returns the different incidences (degrees) and floating distances
+/// (mm), both ascending.
+fn placed(shots: &mut [Aerial]) -> (Vec<f64>, Vec<f64>) {
+    let different = |of: fn(&Aerial) -> f64, shots: &[Aerial]| {
+        let mut all: Vec<f64> = shots.iter().map(of).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
+    };
+    let groups = different(|shot| shot.incidence_deg, shots);
+    let distances_mm = different(|shot| shot.floating_distance_mm, shots);
     for shot in shots {
-        let own = groups.iter().position(|&g| g == shot.incidence_deg);
-        shot.group = own.unwrap_or(0);
+        let index = |all: &[f64], own: f64| all.iter().position(|&other| other == own);
+        shot.place = Place {
+            group: index(&groups, shot.incidence_deg).unwrap_or(0),
+            distance: index(&distances_mm, shot.floating_distance_mm).unwrap_or(0),
+        };
     }
-    groups
+    (groups, distances_mm)
 }

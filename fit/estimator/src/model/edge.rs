@@ -88,8 +88,6 @@ pub struct Model<'a> {
     pub normal: [f64; 2],
     /// Further blurs by whose parameters a fit needs derivatives.
     pub further: Further,
-    /// Share of the own blur that the photograph has.
-    pub own_blur_gain: f64,
     /// Second image of a thick half mirror.
     pub ghost: Option<Ghost>,
     /// Haze of a film; `None` for photographs, where it is part of the plateaus.
@@ -135,24 +133,20 @@ impl Model<'_> {
 
     /// Evaluates the factor of the OTF by the further blurs.
     fn further_otf(&self, blur: Blur, frequency: f64) -> f64 {
-        let [by_own, by_spread] = self.variances();
-        let variance_mm2 = blur.own_blur_mm2 * by_own + blur.angular_spread_mrad2 * by_spread;
+        let by_spread = self.variance_per_mrad2();
+        let variance_mm2 = blur.own_blur_mm2 + blur.angular_spread_mrad2 * by_spread;
         further::otf(variance_mm2, frequency)
     }
 
-    /// Returns the derivatives of the variance along the normal by the own blur and the angular
-    /// spread.
-    fn variances(&self) -> [f64; 2] {
-        [
-            self.own_blur_gain,
-            further::variance_per_mrad2(self.r_mm, self.normal, self.tangential_gain),
-        ]
+    /// Returns the derivative of the variance along the normal by that of the angular spread.
+    fn variance_per_mrad2(&self) -> f64 {
+        further::variance_per_mrad2(self.r_mm, self.normal, self.tangential_gain)
     }
 
     /// Returns the derivatives of the logarithm of the OTF by the variances of own blur and angular
     /// spread at a frequency in 1/mm.
     pub fn further_slopes(&self, frequency: f64) -> [f64; 2] {
-        self.variances().map(|by| by * further::slope(frequency))
+        [1.0, self.variance_per_mrad2()].map(|by| by * further::slope(frequency))
     }
 
     /// Evaluates the OTF at a frequency in 1/mm, and its derivatives by ln(spread), ln(c), the variances
@@ -179,10 +173,11 @@ impl Model<'_> {
     /// with the kink of the derivative.
     pub(crate) fn wanted(&self, blur: Blur) -> impl Iterator<Item = (usize, f64)> + use<> {
         let [_, by_spread, by_c] = self.kink(blur);
+        let own_blur = self.further.has_own_blur();
         let Further {
-            own_blur,
             angular_spread,
             common_errors,
+            ..
         } = self.further;
         // Further blurs do not change the kink at frequency 0.
         [

@@ -32,11 +32,50 @@
 
 use std::f64::consts::PI;
 
+/// Which of the mid-air photographs have a blur of the camera that the reference does not have.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum OwnBlur {
+    /// None of them.
+    #[default]
+    None,
+    /// All have the same.
+    Shared,
+    /// Those at each floating distance have one of their own.
+    PerDistance,
+}
+
+impl OwnBlur {
+    /// Returns the number of variances in a scene with so many distances.
+    pub fn count(self, distances: usize) -> usize {
+        match self {
+            OwnBlur::None => 0,
+            OwnBlur::Shared => 1,
+            OwnBlur::PerDistance => distances,
+        }
+    }
+
+    /// Returns the number of the variance of the photographs at a distance, or `None` if they have none.
+    pub fn of(self, distance: usize) -> Option<usize> {
+        match self {
+            OwnBlur::None => None,
+            OwnBlur::Shared => Some(0),
+            OwnBlur::PerDistance => Some(distance),
+        }
+    }
+
+    fn or(self, other: OwnBlur) -> OwnBlur {
+        match self {
+            OwnBlur::None => other,
+            own => own,
+        }
+    }
+}
+
 /// Blurs that a candidate has beside its kernel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Further {
-    /// True for a blur of the mid-air photographs that the reference does not have.
-    pub own_blur: bool,
+    /// Blur of the mid-air photographs that the reference does not have.
+    pub own_blur: OwnBlur,
     /// True for a spread of the direction of the returned light.
     pub angular_spread: bool,
     /// True for errors of the dihedral angles that all cubes share.
@@ -46,14 +85,20 @@ pub struct Further {
 impl Further {
     /// No further blur.
     pub const NONE: Further = Further {
-        own_blur: false,
+        own_blur: OwnBlur::None,
         angular_spread: false,
         common_errors: false,
     };
 
     /// A blur of the camera alone.
     pub const OWN_BLUR: Further = Further {
-        own_blur: true,
+        own_blur: OwnBlur::Shared,
+        ..Further::NONE
+    };
+
+    /// A blur of the camera at each distance alone.
+    pub const PER_DISTANCE: Further = Further {
+        own_blur: OwnBlur::PerDistance,
         ..Further::NONE
     };
 
@@ -69,39 +114,56 @@ impl Further {
         ..Further::NONE
     };
 
-    /// All that are possible.
+    /// All kinds.
     pub const ALL: Further = Further {
-        own_blur: true,
+        own_blur: OwnBlur::Shared,
         angular_spread: true,
         common_errors: true,
     };
 
-    /// The same, each alone.
+    /// Each alone, with one blur of the camera for all photographs.
     pub const SINGLE: [Further; 3] = [
         Further::OWN_BLUR,
         Further::ANGULAR_SPREAD,
         Further::COMMON_ERRORS,
     ];
 
-    /// Returns the number of parameters.
-    pub fn count(self) -> usize {
-        let variances = usize::from(self.own_blur) + usize::from(self.angular_spread);
+    /// Returns the number of parameters in a scene with so many distances.
+    pub fn count(self, distances: usize) -> usize {
+        let variances = self.own_blur.count(distances) + usize::from(self.angular_spread);
         variances + 3 * usize::from(self.common_errors)
     }
 
     /// Returns the blurs of both.
     pub fn and(self, other: Further) -> Further {
         Further {
-            own_blur: self.own_blur || other.own_blur,
+            own_blur: self.own_blur.or(other.own_blur),
             angular_spread: self.angular_spread || other.angular_spread,
             common_errors: self.common_errors || other.common_errors,
         }
     }
 
-    /// Returns the blurs that the other does not have.
+    /// Returns whether all of these blurs are possible. Where an own blur of each distance is, one for
+    /// all photographs is too.
+    pub fn are_among(self, possible: Further) -> bool {
+        let apart = OwnBlur::PerDistance;
+        self.without(possible) == Further::NONE
+            && (self.own_blur != apart || possible.own_blur == apart)
+    }
+
+    /// Returns whether there is an own blur, of whichever photographs.
+    pub fn has_own_blur(self) -> bool {
+        self.own_blur != OwnBlur::None
+    }
+
+    /// Returns the blurs that the other does not have. Own blurs of whichever photographs count as
+    /// one.
     pub fn without(self, other: Further) -> Further {
         Further {
-            own_blur: self.own_blur && !other.own_blur,
+            own_blur: match other.own_blur {
+                OwnBlur::None => self.own_blur,
+                _ => OwnBlur::None,
+            },
             angular_spread: self.angular_spread && !other.angular_spread,
             common_errors: self.common_errors && !other.common_errors,
         }

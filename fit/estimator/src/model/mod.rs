@@ -22,7 +22,7 @@ pub use camera::{Camera, Lens};
 pub use departure::Departure;
 pub use edge::{Blur, Curve, Model, Otf};
 pub(crate) use exits::ExitBins;
-pub use further::Further;
+pub use further::{Further, OwnBlur};
 pub use lobe::{CUT, Lobe, microfacet};
 pub(crate) use spread::{Even, Grid};
 pub use wave::Fault;

@@ -79,7 +79,6 @@ impl Line {
                 // Errors of the cubes are part of the directions: those of the blur are 0.
                 bent: self.bent.as_ref(),
                 further: Further::NONE,
-                own_blur_gain: 1.0,
                 ghost: self.stray.ghost,
                 haze: self.stray.haze,
                 tangential_gain: self.tangential_gain,

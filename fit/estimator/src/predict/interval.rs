@@ -37,14 +37,8 @@ impl<'a> Uncertainty<'a> {
         let rows = |kind: ParameterKind, parameter: &Parameter| -> Rows {
             let parts = parameter.parts(incidence_deg).into_iter();
             let row_of = |part: Part| {
-                let incidence_deg = part.incidence_deg;
-                Some((
-                    row(ParameterId {
-                        kind,
-                        incidence_deg,
-                    })?,
-                    part.weight,
-                ))
+                let at = part.incidence_deg;
+                Some((row(ParameterId { kind, at })?, part.weight))
             };
             parts.map(row_of).collect()
         };

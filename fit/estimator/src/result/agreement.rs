@@ -83,19 +83,8 @@ fn known(result: &ResultFile) -> Vec<(ParameterId, [f64; 2])> {
         found.extend(known.map(|(value, error)| (id, [value, error])));
     };
     for (kind, parameter) in parameters {
-        match parameter {
-            None => {}
-            Some(Parameter::Shared(own)) => add(kind.shared(), own.value, own.standard_error),
-            Some(Parameter::PerAngle { per_angle }) => {
-                for own in per_angle {
-                    let incidence_deg = Some(own.incidence_deg);
-                    let id = ParameterId {
-                        kind,
-                        incidence_deg,
-                    };
-                    add(id, own.value, own.standard_error);
-                }
-            }
+        for (id, own) in parameter.iter().flat_map(|own| own.numbers(kind)) {
+            add(id, own.value, own.standard_error);
         }
     }
     found

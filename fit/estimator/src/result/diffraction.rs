@@ -58,7 +58,11 @@ pub(crate) fn widths(scene: &Scene, best: &Estimate) -> Vec<WidthResult> {
         let shot = (scene.shots.iter()).find(|shot| shot.incidence_deg == incidence_deg)?;
         let line = shot.direction.wave.as_ref().ok()?;
         let model = compared::model(shot, best.choice);
-        let spread = best.spread.get(shot.group).or(best.spread.first())?.value;
+        let spread = best
+            .spread
+            .get(shot.place.group)
+            .or(best.spread.first())?
+            .value;
         let lobe = |f: f64| model.lobe_otf(spread, f)[0];
         let aperture = |f: f64| line.diffraction(c_mm.value, shot.r_mm, f);
         Some(WidthResult {

@@ -22,7 +22,7 @@ pub use capture::{CameraResult, CaptureResult};
 pub use diffraction::WidthResult;
 pub use domain::Domain;
 pub use nominal::Nominal;
-pub use parameter::{AtAngle, Number, Parameter, Part};
+pub use parameter::{AtAngle, AtDistance, Number, OwnBlur, Parameter, Part};
 pub use quality::{Candidate, FitResult, sharing};
 pub use report::ResultFile;
 pub use table::TableResult;

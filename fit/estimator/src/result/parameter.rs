@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use edges::names::ParameterId;
+use edges::names::{ParameterId, ParameterKind};
 
 /// Parameter with one number for all incidence angles, or with one per angle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -15,6 +15,33 @@ pub enum Parameter {
     },
     /// One number for all incidence angles.
     Shared(Number),
+}
+
+/// Blur of the mid-air photographs that the reference does not have, pixels: one number for all of
+/// them, or one for each floating distance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum OwnBlur {
+    /// One number per floating distance.
+    PerDistance {
+        /// Numbers in ascending order of distance.
+        per_distance: Vec<AtDistance>,
+    },
+    /// One number for all photographs.
+    Shared(Number),
+}
+
+/// Number at one floating distance, with its error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AtDistance {
+    /// Floating distance, mm.
+    pub floating_distance_mm: f64,
+    /// Estimate.
+    #[serde(deserialize_with = "Option::deserialize")]
+    pub value: Option<f64>,
+    /// Standard error: one standard deviation.
+    #[serde(deserialize_with = "Option::deserialize")]
+    pub standard_error: Option<f64>,
 }
 
 /// Number with its error.
@@ -52,7 +79,8 @@ pub struct Covariance {
     /// Names of the parameters.
     ///
     /// They are c_mm, a_per_mm or a_times_r, own_blur_px, angular_spread_mrad, the dihedral errors,
-    /// and mu, followed by `_at_<incidence>` if there is one number per angle.
+    /// and mu, followed by `_at_<incidence>` if there is one number per angle,
+    /// and by `_at_<floating distance>` if there is one own blur per distance.
     pub names: Vec<ParameterId>,
     /// Covariance matrix.
     ///
@@ -100,7 +128,42 @@ impl Number {
     };
 }
 
+impl OwnBlur {
+    /// Returns all numbers with their names.
+    pub fn numbers(&self) -> Vec<(ParameterId, Number)> {
+        let kind = ParameterKind::OwnBlur;
+        match self {
+            OwnBlur::Shared(number) => vec![(kind.shared(), *number)],
+            OwnBlur::PerDistance { per_distance } => {
+                let number = |own: &AtDistance| Number {
+                    value: own.value,
+                    standard_error: own.standard_error,
+                };
+                let all = per_distance.iter();
+                all.map(|own| (kind.at(own.floating_distance_mm), number(own)))
+                    .collect()
+            }
+        }
+    }
+}
+
 impl Parameter {
+    /// Returns all numbers with their names, as those of a parameter of this kind.
+    pub fn numbers(&self, kind: ParameterKind) -> Vec<(ParameterId, Number)> {
+        match self {
+            Parameter::Shared(number) => vec![(kind.shared(), *number)],
+            Parameter::PerAngle { per_angle } => {
+                let number = |own: &AtAngle| Number {
+                    value: own.value,
+                    standard_error: own.standard_error,
+                };
+                let all = per_angle.iter();
+                all.map(|own| (kind.at(own.incidence_deg), number(own)))
+                    .collect()
+            }
+        }
+    }
+
     /// Returns the value at an incidence angle.
     ///
     /// It is linear between the fitted angles and constant beyond them. It is `None` if a value
@@ -165,6 +228,32 @@ pub struct Part {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Both forms of an own blur come back from JSON, with a name for each number.
+    #[test]
+    fn an_own_blur_is_one_number_or_one_of_each_distance() {
+        let number = |value| format!("\"value\":{value},\"standard_error\":0.25");
+        let at = |mm: f64, value| format!("{{\"floating_distance_mm\":{mm:?},{}}}", number(value));
+        let apart = format!("[{},{}]", at(150.0, 0.5), at(300.0, -1.5));
+        let cases = [
+            (format!("{{{}}}", number(0.5)), vec!["own_blur_px"]),
+            (
+                format!("{{\"per_distance\":{apart}}}"),
+                vec!["own_blur_px_at_150", "own_blur_px_at_300"],
+            ),
+        ];
+        for (text, names) in cases {
+            let read: OwnBlur = serde_json::from_str(&text).expect("it is an own blur");
+            assert_eq!(serde_json::to_string(&read).expect("it is JSON"), text);
+            let numbers = read.numbers();
+            let found: Vec<String> = numbers.iter().map(|(id, _)| id.to_string()).collect();
+            assert_eq!(found, names);
+            assert_eq!(numbers[0].1.value, Some(0.5));
+        }
+        for bad in ["{}", "{\"per_distance\":[{\"value\":1}]}", "1"] {
+            assert!(serde_json::from_str::<OwnBlur>(bad).is_err(), "{bad}");
+        }
+    }
 
     /// Compares values between and beyond the fitted angles with values calculated by hand. All
     /// numbers are short binary fractions, so the results are exact.

@@ -97,7 +97,7 @@ pub(super) fn candidate(row: &Ranked) -> Candidate {
         lobe: kernel.has_lobe().then_some(row.choice.shape),
         sharing: sharing(kernel, row.choice.per_angle_a),
         criterion: row.criterion,
-        own_blur: row.choice.further.own_blur,
+        own_blur: row.choice.further.has_own_blur(),
         angular_spread: row.choice.further.angular_spread,
         dihedral_errors: row.choice.further.common_errors,
         loss: row.chi2,

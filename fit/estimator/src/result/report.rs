@@ -13,11 +13,11 @@ use crate::estimate::Forward;
 use crate::estimate::Kind;
 use crate::estimate::Unverified;
 use crate::estimate::Value;
-use crate::model::polarised;
+use crate::model::{self, polarised};
 use crate::result::capture::{CameraResult, CaptureResult, FROM_EXIF, captures, lenses};
 use crate::result::diffraction::{WidthResult, widths};
 use crate::result::domain::Domain;
-use crate::result::parameter::{AtAngle, Covariance, Number, Parameter};
+use crate::result::parameter::{AtAngle, AtDistance, Covariance, Number, OwnBlur, Parameter};
 use crate::result::quality::{Candidate, FitResult, candidate};
 use crate::result::table::TableResult;
 use crate::samples::Sampling;
@@ -88,7 +88,7 @@ pub struct ResultFile {
     ///
     /// It is absent if the photographs do not ask for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub own_blur_px: Option<Number>,
+    pub own_blur_px: Option<OwnBlur>,
     /// Standard deviation of the direction of the returned light across the plane of incidence,
     /// outside of the sheet, mrad.
     ///
@@ -189,9 +189,7 @@ impl ResultFile {
             a_times_r: written.spread(ParameterKind::ATimesR),
             roughness: written.spread(ParameterKind::Roughness),
             surface_roughness: written.size().filter(|_| is_rough),
-            own_blur_px: best
-                .own_blur_px
-                .map(|own| written.number(ParameterKind::OwnBlur.shared(), own)),
+            own_blur_px: written.own_blur(),
             angular_spread_mrad: best
                 .angular_spread_mrad
                 .map(|own| written.number(ParameterKind::AngularSpread.shared(), own)),
@@ -361,6 +359,34 @@ impl Written<'_> {
         let groups = &self.estimated.scene.groups;
         let per_angle = groups.iter().zip(values).map(entry).collect();
         Some(Parameter::PerAngle { per_angle })
+    }
+
+    /// Returns the blur that the reference does not have.
+    fn own_blur(&self) -> Option<OwnBlur> {
+        let Estimate {
+            choice,
+            own_blur_px,
+            ..
+        } = &self.estimated.best;
+        let kind = ParameterKind::OwnBlur;
+        if choice.further.own_blur != model::OwnBlur::PerDistance {
+            let first = own_blur_px.first()?;
+            return Some(OwnBlur::Shared(self.number(kind.shared(), *first)));
+        }
+        let entry = |(&floating_distance_mm, &own): (&f64, &Value)| {
+            let Number {
+                value,
+                standard_error,
+            } = self.number(kind.at(floating_distance_mm), own);
+            AtDistance {
+                floating_distance_mm,
+                value,
+                standard_error,
+            }
+        };
+        let distances = &self.estimated.scene.distances_mm;
+        let per_distance = distances.iter().zip(own_blur_px).map(entry).collect();
+        Some(OwnBlur::PerDistance { per_distance })
     }
 
     /// Returns the spread if it is of this kind.

@@ -28,7 +28,7 @@ impl Truth {
         let value = self.truth.get(key)?;
         value
             .as_f64()
-            .or_else(|| value.get(id.incidence_deg?.to_string())?.as_f64())
+            .or_else(|| value.get(id.at?.to_string())?.as_f64())
     }
 }
 

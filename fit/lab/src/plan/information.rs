@@ -153,7 +153,7 @@ impl<'a> Foreseen<'a> {
             further: Further::NONE,
         };
         let camera = planted_camera(&pattern, plan);
-        let layout = Layout::new(choice, angles.len());
+        let layout = Layout::new(choice, angles.len(), 1);
         let unknowns = Unknowns {
             blur: layout.parameters() + pattern.optics.free.len(),
             mu: if own(Own::Mu) { angles.len() } else { 1 },
@@ -397,7 +397,7 @@ fn setups(choices: &Choices, table: &Table) -> Result<(Vec<(Setup, f64)>, usize)
 
 /// Returns the value of a parameter of a result.
 fn value(result: &ResultFile, id: &ParameterId) -> Option<f64> {
-    let of = |own: &Option<Parameter>| match (own.as_ref()?, id.incidence_deg) {
+    let of = |own: &Option<Parameter>| match (own.as_ref()?, id.at) {
         (Parameter::Shared(number), None) => number.value,
         (Parameter::PerAngle { per_angle }, Some(_)) => {
             let own = per_angle

@@ -69,7 +69,7 @@ impl Seen<'_> {
             kernel,
             ..self.layout.choice
         };
-        Layout::new(choice, self.angles.len())
+        Layout::new(choice, self.angles.len(), 1)
     }
 
     /// Returns where the search for the other kernel's parameters begins: the same c, and lobes that
@@ -90,7 +90,7 @@ impl Seen<'_> {
     fn curves(&self, shot: &Aerial, own: Blurred) -> Curves {
         let pixels = Pixels::new(&shot.pixels, self.camera.pitch_mm);
         let model = model(shot, own.layout.choice);
-        let blur = own.layout.blur(own.at, self.group(shot));
+        let blur = own.layout.blur(own.at, self.place(shot));
         pixels.curves(
             Some((&model, blur)),
             &self.camera,
@@ -104,7 +104,7 @@ impl Seen<'_> {
         let pixels = Pixels::new(&shot.pixels, self.camera.pitch_mm);
         let both = right.beside(self.curves(shot, wrong));
         let rows = pixels.foreseen(&both, self.levels(), trial::noise(&self.plan.camera));
-        let own = self.columns(self.group(shot));
+        let own = self.columns(self.place(shot));
         let width = self.unknowns.blur;
         let places = own.iter().copied().chain(own.iter().map(|i| width + i));
         let places: Vec<usize> = places.chain([2 * width]).collect();

@@ -12,7 +12,7 @@ use crate::study::{choice, trial};
 use edges::names::Kernel;
 use edges::photographs::edge::fault::Accepted;
 use estimator::compare::Photograph as Pixels;
-use estimator::estimate::{Aerial, Conditions, Layout, Scene, model};
+use estimator::estimate::{Aerial, Conditions, Layout, Place, Scene, model};
 use estimator::model::Camera;
 
 /// Bright side of a mid-air photograph, full scale 1.
@@ -115,31 +115,34 @@ impl Seen<'_> {
         DVector::from_iterator(layout.parameters(), c.chain(spread))
     }
 
-    /// Returns the number of a photograph's incidence.
-    pub(crate) fn group(&self, shot: &Aerial) -> usize {
+    /// Returns the place of a photograph. A plan has no blur of its own at a distance.
+    pub(crate) fn place(&self, shot: &Aerial) -> Place {
         let angle = |&own: &f64| own == shot.incidence_deg;
-        self.angles.iter().position(angle).unwrap_or(0)
+        Place {
+            group: self.angles.iter().position(angle).unwrap_or(0),
+            distance: 0,
+        }
     }
 
-    /// Returns the columns of the parameters on which a photograph of an incidence depends, those of
-    /// the lens last.
-    pub(crate) fn columns(&self, group: usize) -> Vec<usize> {
+    /// Returns the columns of the parameters on which a photograph at a place depends, those of the
+    /// lens last.
+    pub(crate) fn columns(&self, place: Place) -> Vec<usize> {
         let first = self.layout.parameters();
         let lens = first..first + self.pattern.optics.free.len();
-        self.layout.columns(group).into_iter().chain(lens).collect()
+        self.layout.columns(place).into_iter().chain(lens).collect()
     }
 
     /// Returns what a photograph tells at a point of the beliefs.
     fn tells(&self, shot: &Aerial, point: usize) -> Information {
-        let (layout, group) = (&self.layout, self.group(shot));
+        let (layout, place) = (&self.layout, self.place(shot));
         let at = self.at(&self.points[point]);
-        let blur = layout.blur(&at, group);
+        let blur = layout.blur(&at, place);
         let model = model(shot, layout.choice);
         let pixels = Pixels::new(&shot.pixels, self.camera.pitch_mm);
         let lens = &self.pattern.optics.free;
         let curves = pixels.curves(Some((&model, blur)), &self.camera, lens);
         let rows = pixels.foreseen(&curves, self.levels(), trial::noise(&self.plan.camera));
-        let (columns, mu) = (self.columns(group), layout.mu_group(group));
+        let (columns, mu) = (self.columns(place), layout.mu_group(place.group));
         let mut told = Information::of(&rows, &columns, self.unknowns, Some(mu));
         if let Some((other, resembling)) = &self.rival {
             let right = Blurred { layout, at: &at };

@@ -125,7 +125,7 @@ pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
         let (a, b) = (row.choice, chosen);
         (a.kernel, a.per_angle_a) == (b.kernel, b.per_angle_a)
     });
-    let parameters = Layout::new(planted, scene.groups.len()).parameters();
+    let parameters = Layout::of(planted, scene).parameters();
     let mu = (scene.groups.len() > 1).then_some(Verdict {
         margin: mu_margin,
         right: chosen.per_angle_mu == planted.per_angle_mu,
@@ -218,7 +218,7 @@ fn margins(
     choice: Choice,
     rivals: &[Ranked],
 ) -> (Option<f64>, Option<f64>) {
-    let layout = Layout::new(choice, scene.groups.len());
+    let layout = Layout::of(choice, scene);
     let truth = &params.truth;
     let c = choice.kernel.has_c().then_some(truth.c_mm);
     let spread = |g: usize| truth.a.at(scene.groups[g]).unwrap_or(1.0);
@@ -228,13 +228,11 @@ fn margins(
     let at = trial::planted(&joint, &params.camera, &blur);
     joint.with_noise(choice, &at, trial::noise(&params.camera));
 
-    let own_mu = Layout::new(
-        Choice {
-            per_angle_mu: true,
-            ..choice
-        },
-        scene.groups.len(),
-    );
+    let own_mu = Choice {
+        per_angle_mu: true,
+        ..choice
+    };
+    let own_mu = Layout::of(own_mu, scene);
     let mu_margin = choice
         .per_angle_mu
         .then(|| {

@@ -96,7 +96,7 @@ pub fn speed(
     randomisations: u64,
 ) -> Result<Speed, tables::Error> {
     const REPEATS: u64 = 3;
-    let layout = Layout::new(choice, scene.groups.len());
+    let layout = Layout::of(choice, scene);
     let closed = || estimate(scene, &Loss::Mtf(scene), optimum(scene, choice));
     let (best, spectral_seconds) = timed(REPEATS, |_| closed());
     let at = &best.solution.parameters;
@@ -252,14 +252,14 @@ fn gradient(scene: &Scene, layout: &Layout, at: &DVector<f64>) -> DVector<f64> {
         .par_iter()
         .map(|shot| {
             let view = &shot.view;
-            let curve = curve(shot, None, layout.choice, layout.blur(at, shot.group));
+            let curve = curve(shot, None, layout.choice, layout.blur(at, shot.place));
             let (modelled, slopes) = view.predict(&curve.bins, &curve.derivatives);
             let slope = |slope: &Vec<f64>| {
                 let terms = modelled.iter().zip(&view.mtf.modulus).zip(slope);
                 let sum: f64 = terms.map(|((m, d), s)| 2.0 * (m - d) * s).sum();
                 sum / modelled.len() as f64
             };
-            let columns = layout.columns(shot.group).into_iter();
+            let columns = layout.columns(shot.place).into_iter();
             columns.zip(slopes.iter().map(slope)).collect()
         })
         .collect();

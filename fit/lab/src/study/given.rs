@@ -133,7 +133,7 @@ fn parameters(scene: &Scene, loss: &Loss, best: &Estimate, with_mtf: &Estimate) 
     let Loss::Edge(joint) = loss else {
         return Vec::new();
     };
-    let layout = Layout::new(best.choice, scene.groups.len());
+    let layout = Layout::of(best.choice, scene);
     let at = &best.solution.parameters;
     let bound = joint.information(&layout, at, Used::ByAnyEstimate);
     let bound = bound.mu.map_or(bound.blur, |mu| mu.covariance);

@@ -155,20 +155,17 @@ pub fn run(
 /// first. A parameter that has one value for each angle counts at each of them.
 fn effect(right: &Estimated, wrong: &Estimated) -> f64 {
     let wrong = &wrong.best;
-    let at = |kind: ParameterKind, incidence_deg: Option<f64>| -> Option<f64> {
+    let at = |kind: ParameterKind, place: Option<f64>| -> Option<f64> {
         let mut all = wrong.parameters.iter().zip(wrong.values());
         let found = all.find(|(id, _)| {
-            let same = id
-                .incidence_deg
-                .zip(incidence_deg)
-                .is_none_or(|(a, b)| a == b);
+            let same = id.at.zip(place).is_none_or(|(a, b)| a == b);
             id.kind == kind && same
         });
         found.map(|(_, value)| value.value)
     };
     let all = right.best.parameters.iter().zip(right.best.values());
     let changes = all.map(|(id, own): (_, &Value)| {
-        at(id.kind, id.incidence_deg).map_or(f64::INFINITY, |value| {
+        at(id.kind, id.at).map_or(f64::INFINITY, |value| {
             (value - own.value).abs() / own.standard_error
         })
     });

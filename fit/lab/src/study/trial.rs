@@ -141,7 +141,7 @@ pub fn bound(
     let blur = DVector::from_vec(vec![truth[0].ln(), truth[1].ln()]);
     let at = planted(&joint, camera, &blur);
     joint.with_noise(choice, &at, noise(camera));
-    let layout = Layout::new(choice, scene.groups.len());
+    let layout = Layout::of(choice, scene);
     let bound = joint.information(&layout, &at, Used::ByAnyEstimate);
     let covariance = bound.mu.map_or(bound.blur, |mu| mu.covariance);
     let deviation = |i: usize| covariance.get((i, i)).map_or(f64::INFINITY, |v| v.sqrt());

@@ -269,7 +269,7 @@ fn values(result: &ResultFile) -> Values {
         let names = &result.covariance.names;
         names
             .iter()
-            .position(|name| name.kind == kind && name.incidence_deg == incidence_deg)
+            .position(|name| name.kind == kind && name.at == incidence_deg)
     };
     let one = |kind: ParameterKind, number: &Number| Value {
         incidence_deg: None,

@@ -8,7 +8,7 @@ use edges::names::{ParameterId, ParameterKind};
 use estimator::estimate::Bound;
 use estimator::estimate::unverified_in_words;
 use estimator::result::Truth;
-use estimator::result::{FitResult, Number, Parameter, ResultFile};
+use estimator::result::{FitResult, Number, OwnBlur, Parameter, ResultFile};
 
 /// Returns the result as a table for a reader.
 pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
@@ -26,8 +26,9 @@ pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     let mut rows = Rows { text, truth };
     let sizes = [result.c_mm, result.surface_roughness].map(|size| size.map(Parameter::Shared));
     let azimuth = result.azimuth_deg.map(Parameter::Shared);
-    let further =
-        [result.own_blur_px, result.angular_spread_mrad].map(|own| own.map(Parameter::Shared));
+    let spread = result.angular_spread_mrad.map(Parameter::Shared);
+    let blurs = result.own_blur_px.as_ref();
+    let blurs = blurs.map_or(Vec::new(), OwnBlur::numbers);
     let (errors, [e1, e2, e3]) = (result.dihedral_errors(), ParameterKind::DIHEDRAL_ERRORS);
     // Roughnesses are shown in thousandths.
     let parameters = [
@@ -46,13 +47,7 @@ pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
         ),
         ("a (1/mm)", ParameterKind::APerMm, 1.0, &result.a_per_mm),
         ("a R", ParameterKind::ATimesR, 1.0, &result.a_times_r),
-        ("blur (px)", ParameterKind::OwnBlur, 1.0, &further[0]),
-        (
-            "spread(mrad)",
-            ParameterKind::AngularSpread,
-            1.0,
-            &further[1],
-        ),
+        ("spread(mrad)", ParameterKind::AngularSpread, 1.0, &spread),
         ("error 1 mrad", e1, 1.0, &errors[0]),
         ("error 2 mrad", e2, 1.0, &errors[1]),
         ("error 3 mrad", e3, 1.0, &errors[2]),
@@ -60,7 +55,19 @@ pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
         ("azimuth (°)", ParameterKind::Azimuth, 1.0, &azimuth),
     ];
     for (label, kind, scale, parameter) in parameters {
-        rows.add(label, kind, scale, parameter.as_ref());
+        if kind == ParameterKind::AngularSpread {
+            for &(id, number) in &blurs {
+                rows.row("blur (px)", id, number);
+            }
+        }
+        let numbers = parameter.as_ref().map(|own| own.numbers(kind));
+        for (id, number) in numbers.into_iter().flatten() {
+            let scaled = Number {
+                value: number.value.map(|v| v * scale),
+                standard_error: number.standard_error.map(|v| v * scale),
+            };
+            rows.row(label, id, scaled);
+        }
     }
     let mut text = rows.text;
     for (id, bound) in &result.bounds {
@@ -139,28 +146,8 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Adds the rows of a parameter, in units of 1 / `scale`.
-    fn add(&mut self, label: &str, kind: ParameterKind, scale: f64, parameter: Option<&Parameter>) {
-        let scaled = |value: Option<f64>, standard_error: Option<f64>| Number {
-            value: value.map(|v| v * scale),
-            standard_error: standard_error.map(|v| v * scale),
-        };
-        match parameter {
-            None => {}
-            Some(Parameter::Shared(n)) => {
-                self.row(label, kind.shared(), scaled(n.value, n.standard_error));
-            }
-            Some(Parameter::PerAngle { per_angle }) => {
-                for p in per_angle {
-                    let number = scaled(p.value, p.standard_error);
-                    self.row(label, kind.at(p.incidence_deg), number);
-                }
-            }
-        }
-    }
-
     fn row(&mut self, label: &str, id: ParameterId, number: Number) {
-        let angle = id.incidence_deg.map_or(String::new(), |i| format!("{i}°"));
+        let place = id.place().unwrap_or_default();
         // Five decimals of a number that no photograph tells would fill the line, or be zeros.
         let shown = |v: Option<f64>| match v {
             None => "-".to_owned(),
@@ -169,7 +156,7 @@ impl Rows<'_> {
         };
         let _ = write!(
             self.text,
-            "{label:<12}{angle:>10}{:>12}{:>14}",
+            "{label:<12}{place:>10}{:>12}{:>14}",
             shown(number.value),
             shown(number.standard_error)
         );

@@ -12,7 +12,7 @@ use crate::estimate::remarks;
 use crate::estimate::scene::direction::{Along, ProjectedDirection};
 use crate::estimate::scene::optics::Optics;
 use crate::estimate::scene::reference::{self, Reference};
-use crate::estimate::scene::{Aerial, Source};
+use crate::estimate::scene::{Aerial, Place, Source};
 use crate::model::Camera;
 use edges::photographs::edge::line::EdgeLine;
 use edges::photographs::manifest::captures;
@@ -178,7 +178,8 @@ impl Measuring<'_> {
             image: name(&capture.shot.image),
             incidence_deg: capture.incidence_deg,
             r_mm: capture.range_mm(),
-            group: 0,
+            floating_distance_mm: capture.floating_distance_mm,
+            place: Place::default(),
             exposure: capture.shot.exposure,
             rounding: capture.shot.rounding,
             transfer,
@@ -190,7 +191,6 @@ impl Measuring<'_> {
             seen_in_mirror: setup.is_in_mirror(),
             ghost: setup.stray.ghost,
             axis_turn_rad: 0.0,
-            has_own_blur: true,
             sampled: None,
         }
     }

@@ -10,7 +10,7 @@ use tables::options::{Back, Element, Front, Losses};
 use tables::{Path, Table};
 
 use crate::estimate::scene::direction::{Along, ProjectedDirection};
-use crate::estimate::scene::{Aerial, Scene, group};
+use crate::estimate::scene::{Aerial, Scene};
 
 /// Conditions under which a photograph was taken, as the manifest states them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,12 +120,8 @@ impl Scene {
         let one =
             |(shot, conditions): (&Aerial, &Conditions)| self.moved(shot, table, index, conditions);
         let shots = self.shots.par_iter().zip(conditions);
-        let mut shots: Vec<Aerial> = shots.map(one).collect::<Result<_, tables::Error>>()?;
-        let groups = group(&mut shots);
-        Ok(Scene {
-            groups,
-            ..self.with(shots)
-        })
+        let shots = shots.map(one).collect::<Result<_, tables::Error>>()?;
+        Ok(self.with(shots))
     }
 
     /// Returns one photograph as it would be if it had been taken otherwise.
@@ -148,14 +144,14 @@ impl Scene {
             r_mm: conditions.r_mm,
             exposure: conditions.exposure,
             axis_turn_rad: conditions.axis_turn_rad,
-            has_own_blur: shot.has_own_blur,
             seen_in_mirror: conditions.seen_in_mirror,
             ghost: shot.ghost,
             sampled: None,
             rounding: shot.rounding,
             reduced_noise: shot.reduced_noise,
             image: shot.image.clone(),
-            group: shot.group,
+            floating_distance_mm: shot.floating_distance_mm,
+            place: shot.place,
             transfer: shot.transfer.clone(),
             view: Arc::clone(&shot.view),
             pixels: Arc::clone(&shot.pixels),

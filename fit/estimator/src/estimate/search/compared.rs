@@ -44,7 +44,6 @@ pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
         r_mm: shot.r_mm,
         normal: shot.normal(),
         further: choice.further,
-        own_blur_gain: f64::from(u8::from(shot.has_own_blur)),
         ghost: shot.ghost,
         haze: None,
         tangential_gain: tangential_gain(
@@ -107,7 +106,7 @@ pub(crate) fn assemble(
             .rows_mut(row, n)
             .copy_from(&weighed(&part.difference));
         for (column, derivative) in layout
-            .columns(shot.group)
+            .columns(shot.place)
             .into_iter()
             .zip(&part.derivatives)
         {

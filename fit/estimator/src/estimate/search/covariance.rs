@@ -113,7 +113,7 @@ impl Linear<'_> {
         let shots = self.scene.shots.iter().zip(self.parts);
         let answer = |(shot, part): (&Aerial, &Compared)| {
             let mut jt = DMatrix::zeros(p, part.difference.len() - 1);
-            let columns = self.layout.columns(shot.group).into_iter();
+            let columns = self.layout.columns(shot.place).into_iter();
             for (column, derivative) in columns.zip(&part.derivatives) {
                 jt.row_mut(column)
                     .copy_from(&shot.view.weigh(self.weights, derivative).transpose());
@@ -149,7 +149,7 @@ impl Linear<'_> {
                 .zip(self.parts)
                 .zip(answers)
                 .map(|((shot, part), answer)| {
-                    let blur = self.layout.blur(&self.solution.parameters, shot.group);
+                    let blur = self.layout.blur(&self.solution.parameters, shot.place);
                     let curve = curve(shot, Some(&camera), self.layout.choice, blur);
                     let (modelled, _) = shot.view.predict(&curve.bins, &[]);
                     let change = slope(&modelled, &part.modelled);
@@ -198,13 +198,13 @@ impl Linear<'_> {
         // eta.
         let mut eta_error = DMatrix::<f64>::zeros(groups, scene.groups.len());
         for (i, (shot, part)) in scene.shots.iter().zip(self.parts).enumerate() {
-            let (g, share) = (layout.mu_group(shot.group), shares[i]);
+            let (g, share) = (layout.mu_group(shot.place.group), shares[i]);
             let changes = part.curve.derivatives.iter();
-            for (column, change) in layout.columns(shot.group).into_iter().zip(changes) {
+            for (column, change) in layout.columns(shot.place).into_iter().zip(changes) {
                 by_blur[(g, column)] += share * contrasts[i].relative_change(change);
             }
             let returned = shot.returned(layout.choice.kernel);
-            eta_error[(g, shot.group)] += share * returned.relative_error();
+            eta_error[(g, shot.place.group)] += share * returned.relative_error();
         }
         let n = p + groups;
         let mut covariance = DMatrix::zeros(n, n);
@@ -212,7 +212,7 @@ impl Linear<'_> {
             let mut full = DMatrix::zeros(n, response.ncols());
             full.rows_mut(0, p).copy_from(response);
             full.rows_mut(p, groups).copy_from(&(&by_blur * response));
-            let (g, share) = (layout.mu_group(shot.group), shares[i]);
+            let (g, share) = (layout.mu_group(shot.place.group), shares[i]);
             let Contrast { step, by_bin } = &contrasts[i];
             let by_bin = by_bin.iter().map(|by| share * by / step);
             let by_bin = DMatrix::from_iterator(1, shot.view.profile.len(), by_bin);
@@ -224,7 +224,7 @@ impl Linear<'_> {
         let with_mu = |(k, blur): (usize, &DVector<f64>)| {
             let mut mu = (&by_blur * blur).add_scalar(-reference.step_by_lens[k]);
             for (i, shot) in scene.shots.iter().enumerate() {
-                mu[layout.mu_group(shot.group)] += shares[i] * by.steps[k][i];
+                mu[layout.mu_group(shot.place.group)] += shares[i] * by.steps[k][i];
             }
             DVector::from_iterator(n, blur.iter().chain(mu.iter()).copied())
         };
@@ -259,7 +259,7 @@ fn scatter(scene: &Scene, layout: &Layout, contrasts: &[Contrast], mu: &[f64]) -
         let own = scene.reflectance(shot, kernel, contrast.step);
         let relative = contrast.variance(&shot.view.profile).sqrt() / contrast.step;
         let noise = relative.hypot(shot.returned(kernel).relative_error());
-        (own / mu[layout.mu_group(shot.group)]).ln() / noise.max(1e-8)
+        (own / mu[layout.mu_group(shot.place.group)]).ln() / noise.max(1e-8)
     });
     Scatter {
         each: each.collect(),
@@ -271,7 +271,7 @@ fn scatter(scene: &Scene, layout: &Layout, contrasts: &[Contrast], mu: &[f64]) -
 pub(crate) fn contrasts_at(scene: &Scene, layout: &Layout, at: &DVector<f64>) -> Vec<Contrast> {
     let shots = scene.shots.par_iter();
     let parts: Vec<Compared> = shots
-        .map(|shot| compare(shot, None, layout.choice, layout.blur(at, shot.group)))
+        .map(|shot| compare(shot, None, layout.choice, layout.blur(at, shot.place)))
         .collect();
     contrasts(scene, &parts)
 }
@@ -306,7 +306,7 @@ pub(crate) fn reflectances(
             let by_rays = shot.returned(kernel).relative_error();
             let weight = 1.0 / (relative + by_rays.powi(2)).max(1e-16);
             let ratio = scene.reflectance(shot, kernel, contrast.step);
-            (layout.mu_group(shot.group), weight, ratio)
+            (layout.mu_group(shot.place.group), weight, ratio)
         })
         .collect();
     for &(group, weight, ratio) in &weighed {

@@ -55,7 +55,7 @@ pub(super) fn bent(
 ) -> Vec<Optimum> {
     let of_mtfs = Loss::Mtf(scene);
     let most = blurred.map_or(f64::INFINITY, |fit| {
-        let layout = Layout::new(fit.choice, scene.groups.len());
+        let layout = Layout::of(fit.choice, scene);
         let at = fit.solution.parameters.rows(0, layout.parameters());
         let (residuals, _) = of_mtfs.evaluate(&layout, &at.into_owned());
         residuals.norm_squared() + FAR_BEHIND
@@ -108,19 +108,21 @@ pub(super) fn and_more(scene: &Scene, loss: &Loss, fit: &Optimum, misfit: f64) -
     let at = &fit.solution.parameters;
     let penalty = (loss.observations() as f64).ln();
     let score = Score::new(scene, loss, (fit.choice, at), Further::ALL)?;
-    let steps = Further::SINGLE.into_iter().filter_map(|further| {
+    let count = |further: Further| further.count(scene.distances_mm.len());
+    let more = Further::SINGLE.into_iter().chain([Further::PER_DISTANCE]);
+    let steps = more.filter_map(|further| {
         let (fall, values) = score.step(further)?;
-        let least = PROMISING * (further.count() as f64 * penalty + CLEAR) * misfit;
+        let least = PROMISING * (count(further) as f64 * penalty + CLEAR) * misfit;
         (fall > least).then_some((fall / least, further, values))
     });
     let (_, further, values) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(fitted(scene, loss, (fit.choice, at), further, &values)).filter(is_found)
 }
 
-/// Returns what the errors of an estimate with another further blur have to include: its difference to
-/// the best candidate with dihedral errors, unless that has a larger sum of squares by [`CLEAR`], and
-/// the errors of that candidate if its sum of squares is smaller. `unit` is the factor by which a misfit
-/// raises the sum of squares.
+/// Returns what the errors of an estimate with further blurs have to include: its difference to the best
+/// candidate with dihedral errors, or, if it has such errors itself, to the best one with other blurs.
+/// A candidate whose sum of squares is larger by [`CLEAR`] does not count, and the errors of one whose
+/// sum is smaller are included too. `unit` is the factor by which a misfit raises the sum of squares.
 pub(crate) fn alternative(
     scene: &Scene,
     loss: &Loss,
@@ -128,32 +130,42 @@ pub(crate) fn alternative(
     unit: f64,
 ) -> Option<Hint> {
     let own = fit.choice.further;
-    if own == Further::NONE || own.common_errors {
-        return None;
-    }
+    let is_rival = |row: &&Ranked| {
+        let other = row.choice.further;
+        other != Further::NONE && other.common_errors != own.common_errors
+    };
     // The criteria of the rows ascend.
-    let bent = compared
-        .iter()
-        .find(|row| row.choice.further.common_errors)?;
-    let fall = (fit.solution.sum_of_squares() - bent.chi2) / unit;
-    if fall.is_nan() || fall < -CLEAR {
+    let rival = compared.iter().find(is_rival)?;
+    let fall = (fit.solution.sum_of_squares() - rival.chi2) / unit;
+    if own == Further::NONE || fall.is_nan() || fall < -CLEAR {
         return None;
     }
     let start = Optimum {
-        choice: bent.choice,
+        choice: rival.choice,
         solution: Solution {
-            parameters: bent.at.clone(),
+            parameters: rival.at.clone(),
             ..fit.solution.clone()
         },
         observations: loss.observations(),
     };
     let other = estimate(scene, loss, refined(scene, loss, start));
-    let errors = other.dihedral_errors_mrad?.map(|own| own.value);
+    let (what, taken) = match other.dihedral_errors_mrad {
+        Some(errors) => {
+            let errors = edge_by_edge(&errors.map(|own| own.value));
+            let what = format!("dihedral errors that all cubes share ({errors})");
+            (what, "the further blur")
+        }
+        None if other.choice.further.has_own_blur() => {
+            ("a blur of the camera".into(), "the dihedral errors")
+        }
+        None => (
+            "an angular spread of the sheet".into(),
+            "the dihedral errors",
+        ),
+    };
     let said = format!(
-        "dihedral errors that all cubes share would explain the photographs as well as the further \
-        blur: {}. The standard errors include the difference. Photographs at more distances, and of \
-        edges in two directions, tell them apart",
-        edge_by_edge(&errors)
+        "{what} would explain the photographs as well as {taken}. The standard errors include the \
+        difference. Photographs at more distances, and of edges in two directions, tell them apart"
     );
     Hint::of(fit, &other, (fall > 0.0).then_some(unit), Some(said))
 }

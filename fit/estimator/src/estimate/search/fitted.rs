@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::compare::Weights;
-use crate::estimate::scene::Scene;
+use crate::estimate::scene::{Place, Scene};
 use crate::estimate::search::compared::{Compared, assemble, compare};
 use crate::estimate::search::covariance::{Covariances, Linear, Scatter};
 use crate::estimate::search::joint::Used;
@@ -19,6 +19,7 @@ use crate::estimate::search::layout::{Choice, Value};
 use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::Optimum;
 use crate::model::Camera;
+use crate::model::OwnBlur;
 use crate::samples::Sampling;
 use edges::names::{ParameterId, ParameterKind};
 use edges::numerics::Solution;
@@ -34,9 +35,9 @@ pub struct Estimate {
     /// or one per incidence, and is empty for `shift` and `wave`.
     pub spread: Vec<Value>,
     /// Blur of the mid-air photographs that the reference does not have: the standard deviation of a
-    /// Gaussian, pixels, negative if the reference is less sharp; `None` if the candidate has no such
-    /// blur.
-    pub own_blur_px: Option<Value>,
+    /// Gaussian, pixels, negative if the reference is less sharp. It has one value, or one per
+    /// floating distance, and is empty if the candidate has no such blur.
+    pub own_blur_px: Vec<Value>,
     /// Standard deviation of the direction of the returned light across the plane of incidence,
     /// mrad; `None` if the candidate has no such spread.
     pub angular_spread_mrad: Option<Value>,
@@ -47,7 +48,7 @@ pub struct Estimate {
     pub mu: Option<Vec<Value>>,
     /// Differences between the light of the photographs and that which mu gives; `None` like mu.
     pub scatter: Option<Scatter>,
-    /// Parameters in the order of the covariance's rows: c, the spreads, own blur, angular spread,
+    /// Parameters in the order of the covariance's rows: c, the spreads, own blurs, angular spread,
     /// dihedral errors, mu.
     pub parameters: Vec<ParameterId>,
     /// Derivatives of the values by the coordinates in which the problem is about linear: the
@@ -85,12 +86,18 @@ pub struct SamplingError {
 impl Estimate {
     /// Returns the number of parameters of the blur.
     pub fn blur_parameters(&self) -> usize {
-        self.kernel_parameters() + self.choice.further.count()
+        self.kernel_parameters() + self.choice.further.count(self.own_blur_px.len())
     }
 
     /// Returns the number of parameters of the kernel: c and the spreads.
     pub fn kernel_parameters(&self) -> usize {
         usize::from(self.c_mm.is_some()) + self.spread.len()
+    }
+
+    /// Returns the own blur of a photograph, or `None` if it has none.
+    pub fn own_blur_at(&self, place: Place) -> Option<Value> {
+        let own = self.choice.further.own_blur.of(place.distance)?;
+        self.own_blur_px.get(own).copied()
     }
 
     /// Returns all values in the order of `parameters`.
@@ -144,8 +151,8 @@ impl Estimate {
     /// Returns all values in the order of `parameters`.
     fn values_mut(&mut self) -> impl Iterator<Item = &mut Value> {
         let kernel = self.c_mm.iter_mut().chain(&mut self.spread);
-        let own = &mut self.own_blur_px;
-        let further = own.iter_mut().chain(&mut self.angular_spread_mrad);
+        let own = self.own_blur_px.iter_mut();
+        let further = own.chain(&mut self.angular_spread_mrad);
         let further = further.chain(self.dihedral_errors_mrad.iter_mut().flatten());
         kernel.chain(further).chain(self.mu.iter_mut().flatten())
     }
@@ -185,7 +192,7 @@ impl Estimate {
 
 /// Computes everything that follows from an optimum: mu, covariance, losses.
 pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
-    let layout = &Layout::new(optimum.choice, scene.groups.len());
+    let layout = &Layout::of(optimum.choice, scene);
     let camera = match loss {
         Loss::Mtf(_) | Loss::Mse(_) => scene.optics.camera.clone(),
         Loss::Edge(joint) => joint.camera(layout, &optimum.solution.parameters),
@@ -241,7 +248,7 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         choice,
         c_mm: layout.c().map(value),
         spread: (kernel - layout.spreads..kernel).map(value).collect(),
-        own_blur_px: layout.own_blur().map(value),
+        own_blur_px: layout.own_blurs().map(value).collect(),
         angular_spread_mrad: layout.angular_spread().map(value),
         dihedral_errors_mrad: match layout.common_errors() {
             errors if errors.is_empty() => None,
@@ -286,17 +293,16 @@ impl Named {
         let mut values: Vec<f64> = logarithms.map(|p| p.exp()).collect();
         let mut slopes = values.clone();
         let pitch_mm = scene.optics.camera.pitch_mm;
-        let further = [
-            (layout.own_blur(), ParameterKind::OwnBlur, pitch_mm),
-            (layout.angular_spread(), ParameterKind::AngularSpread, 1.0),
-        ];
-        for (column, kind, unit) in further {
-            if let Some(column) = column {
-                parameters.push(kind.shared());
-                let [value, slope] = deviation(at[column], unit);
-                values.push(value);
-                slopes.push(slope);
-            }
+        let blurs = own_blurs(scene, layout.choice);
+        let blurs = layout.own_blurs().zip(blurs);
+        let blurs = blurs.map(|(column, id)| (column, id, pitch_mm));
+        let spread = layout.angular_spread();
+        let spread = spread.map(|column| (column, ParameterKind::AngularSpread.shared(), 1.0));
+        for (column, id, unit) in blurs.chain(spread) {
+            parameters.push(id);
+            let [value, slope] = deviation(at[column], unit);
+            values.push(value);
+            slopes.push(slope);
         }
         for (column, kind) in layout.common_errors().zip(ParameterKind::DIHEDRAL_ERRORS) {
             parameters.push(kind.shared());
@@ -309,6 +315,12 @@ impl Named {
             slopes,
         }
     }
+}
+
+/// Returns the names of the own blurs of a candidate that has some.
+pub(crate) fn own_blurs(scene: &Scene, choice: Choice) -> Vec<ParameterId> {
+    let is_apart = choice.further.own_blur == OwnBlur::PerDistance;
+    ParameterKind::OwnBlur.each(&scene.distances_mm, is_apart)
 }
 
 /// Returns the standard deviation of a variance, in a unit, with the sign of the variance, and its
@@ -333,7 +345,7 @@ fn compared(
         Loss::Edge(_) => Some(camera),
     };
     let shots = scene.shots.par_iter().map(|shot| {
-        let blur = layout.blur(&optimum.solution.parameters, shot.group);
+        let blur = layout.blur(&optimum.solution.parameters, shot.place);
         compare(shot, seen_by, optimum.choice, blur)
     });
     shots.collect()

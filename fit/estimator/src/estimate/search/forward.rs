@@ -143,7 +143,7 @@ impl Renders<'_> {
         // The first samples are drawn again at the end, because two drawings at a time would take
         // twice the memory.
         let mut best = self.by_one_randomisation(start, 0)?.0;
-        let layout = Layout::new(choice, self.scene.groups.len());
+        let layout = Layout::of(choice, self.scene);
         let mut estimates = Vec::new();
         for randomisation in 1..=RANDOMISATIONS {
             let drawn = self.drawn(choice, randomisation)?;
@@ -180,7 +180,7 @@ fn neighbour(scene: &Scene, weights: Weights, layout: &Layout, best: &Estimate) 
         .shots
         .par_iter()
         .map(|shot| {
-            let blur = layout.blur(&at, shot.group);
+            let blur = layout.blur(&at, shot.place);
             compare(shot, None, layout.choice, blur)
         })
         .collect();

@@ -22,12 +22,12 @@ use rayon::prelude::*;
 use crate::estimate::scene::Scene;
 use crate::estimate::search::cubes::{self, and_more};
 use crate::estimate::search::fitted::Estimate;
-use crate::estimate::search::layout::{Choice, Layout};
+use crate::estimate::search::layout::{Choice, Layout, Value};
 use crate::estimate::search::loss::Loss;
 use crate::estimate::search::optimum::{Optimum, nearest, refined, rough};
 use crate::estimate::search::score::{Score, possible};
 use crate::estimate::search::select::{CLEAR, Candidates, HOPELESS, Ranked, Selection, with_mu};
-use crate::model::Further;
+use crate::model::{Further, OwnBlur};
 use edges::numerics::{Solution, Stop};
 
 /// Standard errors by which a variance has to differ from 0.
@@ -57,7 +57,7 @@ pub(super) fn fitted(
         further: from.further.and(added),
         ..from
     };
-    let layout = Layout::new(choice, scene.groups.len());
+    let layout = Layout::of(choice, scene);
     let mut parameters = at.clone();
     for (column, &[value, _]) in layout.columns_of(added).into_iter().zip(values) {
         parameters = parameters.insert_row(column, value);
@@ -107,18 +107,19 @@ fn opened(scene: &Scene, choice: Choice) -> impl Iterator<Item = Choice> + use<>
         Further::COMMON_ERRORS,
         Further::COMMON_ERRORS.and(Further::ANGULAR_SPREAD),
     ]);
-    let open = open.filter(move |own| own.without(possible) == Further::NONE);
+    let open = open.filter(move |own| own.are_among(possible));
     open.map(move |further| Choice { further, ..choice })
 }
 
 /// Sets of Gaussian blurs that are tried, in the order of preference among equals.
-const TRIED: [Further; 3] = [
+const TRIED: [Further; 4] = [
     Further::OWN_BLUR,
     Further::ANGULAR_SPREAD,
     Further {
-        own_blur: true,
+        own_blur: OwnBlur::Shared,
         ..Further::ANGULAR_SPREAD
     },
+    Further::PER_DISTANCE,
 ];
 
 /// Criteria of candidates of one selection.
@@ -163,7 +164,7 @@ pub(crate) fn added<'a>(
         return selection;
     }
     let row = |fit: &Optimum| {
-        let parameters = Layout::new(fit.choice, scene.groups.len()).parameters();
+        let parameters = Layout::of(fit.choice, scene).parameters();
         Ranked {
             choice: fit.choice,
             criterion: 0.0,
@@ -245,7 +246,8 @@ fn tried(scene: &Scene, criteria: &Criteria, selection: &Selection) -> Vec<Optim
         let Some(score) = Score::new(scene, loss, (row.choice, &at), asked) else {
             continue;
         };
-        let penalty = |further: Further| further.count() as f64 * criteria.penalty;
+        let count = |further: Further| further.count(scene.distances_mm.len());
+        let penalty = |further: Further| count(further) as f64 * criteria.penalty;
         let is_promising = |further: Further, fall: f64, beaten: f64| {
             let fall = fall / misfit;
             if is_best(row) {
@@ -370,23 +372,34 @@ pub(super) fn explains(before: f64, left: f64) -> bool {
 /// spots of light, a tone curve, or sharpening of the mid-air photographs.
 fn is_possible(scene: &Scene, fit: &Estimate) -> bool {
     const PER_PX: f64 = 0.25;
-    let Some(own) = fit.own_blur_px.filter(|own| own.value < 0.0) else {
-        return true;
-    };
-    let variance = own.value.abs() * (own.value.abs() - 2.0 * own.standard_error);
-    let gain = (2.0 * (PI * PER_PX).powi(2) * variance).exp();
     let camera = &scene.optics.camera;
     let lens = |normal_rad: f64| camera.along(normal_rad).lens(PER_PX / camera.pitch_mm);
     let mut shots = scene.shots.iter();
-    shots.all(|shot| gain * lens(shot.pixels.line.normal_rad) <= 1.0)
+    shots.all(|shot| {
+        let own = fit.own_blur_at(shot.place);
+        let Some(own) = own.filter(|own| own.value < 0.0) else {
+            return true;
+        };
+        let variance = own.value.abs() * (own.value.abs() - 2.0 * own.standard_error);
+        let gain = (2.0 * (PI * PER_PX).powi(2) * variance).exp();
+        gain * lens(shot.pixels.line.normal_rad) <= 1.0
+    })
 }
 
 /// Returns whether each further blur of an estimate differs from 0 by [`SURE`] standard errors, and
-/// an angular spread is one.
+/// an angular spread is one. Blurs of several distances differ from 0 together: each of them adds 3 to
+/// the square, so that noise exceeds it as seldom.
 fn is_sure(fit: &Estimate) -> bool {
-    let further = fit.own_blur_px.iter().chain(&fit.angular_spread_mrad);
     // The error of a deviation is that of the variance divided by twice the deviation.
-    let sure = further.map(|own| own.value.abs() > 2.0 * SURE * own.standard_error);
-    let spreads = fit.angular_spread_mrad.is_none_or(|own| own.value > 0.0);
-    sure.fold(spreads, |all, own| all && own)
+    let is_spread = |own: Value| own.value > 2.0 * SURE * own.standard_error;
+    let (first, n) = (fit.kernel_parameters(), fit.own_blur_px.len());
+    let half = fit.own_blur_px.iter().map(|own| 0.5 * own.value);
+    let half = DVector::from_iterator(n, half);
+    let covariance = fit.covariance.view((first, first), (n, n)).into_owned();
+    let squares = covariance
+        .cholesky()
+        .map(|factor| half.dot(&factor.solve(&half)));
+    let least = SURE.powi(2) + 3.0 * n.saturating_sub(1) as f64;
+    (n == 0 || squares.is_some_and(|squares| squares > least))
+        && fit.angular_spread_mrad.is_none_or(is_spread)
 }

@@ -2,10 +2,10 @@
 //! spread, and the shape of one that was found.
 //!
 //! A blur that differs from 0 by three errors, and not by what the criterion asks for, is not taken
-//! (of dihedral errors, by as much as noise does once in 5,900 campaigns). It may still have moved c by several stated errors, because c and a blur look alike: a step
-//! along the blur tells by how much. Then the errors include this step, and a warning names it. The
-//! estimate stays, so photographs without a further blur lose nothing but the stated errors of one
-//! campaign in some hundred.
+//! (of dihedral errors, by as much as noise does once in 5,900 campaigns). It may still have moved c
+//! by several stated errors, because c and a blur look alike: a step along the blur tells by how much.
+//! Then the errors include this step, and a warning names it. The estimate stays, so photographs
+//! without a further blur lose nothing but the stated errors of one campaign in some hundred.
 
 use nalgebra::DMatrix;
 
@@ -22,8 +22,9 @@ use edges::names::{ParameterId, ParameterKind};
 use edges::numerics::Solution;
 
 /// Fall of the sum of squares from which on a blur that is not taken is included in the errors, in the
-/// order of [`Further::SINGLE`]: three standard errors, which noise exceeds once in 370. Dihedral errors have three
-/// parameters and add far more to the error of c: noise exceeds a chi-square of 20 once in 5,900.
+/// order of [`Further::SINGLE`]: three standard errors, which noise exceeds once in 370. Dihedral errors
+/// have three parameters and add far more to the error of c: noise exceeds a chi-square of 20 once in
+/// 5,900.
 const HINT: [f64; 3] = [9.0, 9.0, 20.0];
 
 /// Blur that the estimate does not have, and that its errors include.
@@ -139,10 +140,11 @@ fn hint(
         further: fit.choice.further.and(further),
         ..fit.choice
     };
-    let added = Layout::new(choice, scene.groups.len()).columns_of(further);
+    let added = Layout::of(choice, scene).columns_of(further);
     let mut moved = at.clone();
-    for (column, &[value, _]) in score.columns(further)?.into_iter().zip(step) {
-        moved += value * score.response.column(column);
+    let response = score.response(further)?;
+    for (column, &[value, _]) in response.column_iter().zip(step) {
+        moved += value * column;
     }
     for (&column, &[value, _]) in added.iter().zip(step) {
         moved = moved.insert_row(column, value);
@@ -159,7 +161,7 @@ fn hint(
     let [variance, error] = step[0];
     let deviation = variance.abs().sqrt();
     let (error, sign) = (0.5 * unit.sqrt() * error / deviation, variance.signum());
-    let what = if further.own_blur {
+    let what = if further.has_own_blur() {
         let pitch_mm = scene.optics.camera.pitch_mm;
         let px = sign * deviation / pitch_mm;
         format!(

@@ -41,7 +41,7 @@ impl<'a> Joint<'a> {
     /// (logarithms of c and of the spreads), which should be near the truth.
     pub fn new(scene: &'a Scene, choice: Choice, parameters: &DVector<f64>) -> Joint<'a> {
         let camera = &scene.optics.camera;
-        let layout = Layout::new(choice, scene.groups.len());
+        let layout = Layout::of(choice, scene);
         let settled = |pixels: &'a Pixels, model: Option<(&Model, Blur)>| {
             let mut photograph = Photograph::new(pixels, camera.pitch_mm);
             let curves = photograph.curves(model, camera, &[]);
@@ -49,7 +49,7 @@ impl<'a> Joint<'a> {
             (photograph, curves, fall)
         };
         let shots = scene.shots.par_iter().map(|shot| {
-            let blur = layout.blur(parameters, shot.group);
+            let blur = layout.blur(parameters, shot.place);
             settled(&shot.pixels, Some((&model(shot, choice), blur)))
         });
         let mut all: Vec<(Photograph, Curves, f64)> = shots.collect();
@@ -87,10 +87,10 @@ impl<'a> Joint<'a> {
 
     /// Replaces the noise of all photographs by a known one.
     pub fn with_noise(&mut self, choice: Choice, at: &DVector<f64>, noise: PixelNoise) {
-        let layout = Layout::new(choice, self.scene.groups.len());
+        let layout = Layout::of(choice, self.scene);
         let camera = self.camera(&layout, at);
         for (shot, photograph) in self.scene.shots.iter().zip(&mut self.shots) {
-            let (model, blur) = (model(shot, choice), layout.blur(at, shot.group));
+            let (model, blur) = (model(shot, choice), layout.blur(at, shot.place));
             let curves = photograph.curves(Some((&model, blur)), &camera, &[]);
             photograph.with_noise(&curves, noise);
         }
@@ -193,7 +193,7 @@ impl<'a> Joint<'a> {
         all.into_par_iter()
             .map(|(i, (photograph, shot))| {
                 let model = shot.map(|shot| model(shot, layout.choice));
-                let blur = shot.map(|shot| layout.blur(at, shot.group));
+                let blur = shot.map(|shot| layout.blur(at, shot.place));
                 let curves = photograph.curves(model.as_ref().zip(blur), &camera, lens);
                 let fitted = match near.get(i) {
                     Some(&near) => photograph.fit_from(&curves, near),
@@ -247,7 +247,7 @@ impl<'a> Joint<'a> {
             .scene
             .shots
             .get(i)
-            .map(|shot| layout.columns(shot.group));
+            .map(|shot| layout.columns(shot.place));
         blur.into_iter().flatten().chain(lens).collect()
     }
 
@@ -330,7 +330,7 @@ impl<'a> Joint<'a> {
             let mut columns = self.columns(layout, i);
             columns.push(width - 1);
             let shot = scene.shots.get(i);
-            columns.extend(shot.map(|shot| first + if own { shot.group } else { 0 }));
+            columns.extend(shot.map(|shot| first + if own { shot.place.group } else { 0 }));
             // Blur and lens enter directly. mu and the reference's step enter through the step of
             // this photograph.
             let blurs = self.columns(layout, i).len();
@@ -351,7 +351,7 @@ impl<'a> Joint<'a> {
             if let (Some(shot), Some(returned)) = (shot, returned) {
                 let of_eta = rows.tr_mul(&step) * returned.relative_error();
                 for (k, &column) in columns.iter().enumerate() {
-                    by_eta[(column, shot.group)] += of_eta[k];
+                    by_eta[(column, shot.place.group)] += of_eta[k];
                 }
                 tells.push(LightInformation {
                     step: factor[(0, 0)],

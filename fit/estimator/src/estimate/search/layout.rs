@@ -1,11 +1,12 @@
 //! The parameters of a candidate, and their order in the solver's vector: [ln c] [ln spread ...]
-//! [own blur] [angular spread] [three dihedral errors]. The two blurs are variances, in mm^2 and
+//! [own blur ...] [angular spread] [three dihedral errors]. The two blurs are variances, in mm^2 and
 //! mrad^2, the errors are in mrad.
 
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::estimate::scene::{Place, Scene};
 use crate::model::Blur;
 use crate::model::Further;
 use edges::names::{Kernel, LobeShape};
@@ -53,17 +54,28 @@ pub struct Layout {
     pub choice: Choice,
     /// Number of spreads: 0, 1, or one per incidence.
     pub spreads: usize,
+    /// Number of own blurs: 0, 1, or one per distance.
+    own_blurs: usize,
 }
 
 impl Layout {
-    /// Makes the layout of a candidate in a scene with `groups` incidences.
-    pub fn new(choice: Choice, groups: usize) -> Layout {
+    /// Makes the layout of a candidate in a scene.
+    pub fn of(choice: Choice, scene: &Scene) -> Layout {
+        Layout::new(choice, scene.groups.len(), scene.distances_mm.len())
+    }
+
+    /// Makes the layout of a candidate with `groups` incidences and so many floating distances.
+    pub fn new(choice: Choice, groups: usize, distances: usize) -> Layout {
         let spreads = match (choice.kernel.has_lobe(), choice.per_angle_a) {
             (false, _) => 0,
             (true, false) => 1,
             (true, true) => groups,
         };
-        Layout { choice, spreads }
+        Layout {
+            choice,
+            spreads,
+            own_blurs: choice.further.own_blur.count(distances),
+        }
     }
 
     /// Returns the column of ln c, or `None` if the kernel has no c.
@@ -84,7 +96,7 @@ impl Layout {
 
     /// Returns the number of parameters.
     pub fn parameters(&self) -> usize {
-        self.logarithms() + self.choice.further.count()
+        self.common_errors().end
     }
 
     /// Returns the number of parameters that are logarithms. They come before the others.
@@ -92,41 +104,48 @@ impl Layout {
         usize::from(self.choice.kernel.has_c()) + self.spreads
     }
 
-    /// Returns the column of the variance of the own blur, or `None` if the candidate has none.
-    pub fn own_blur(&self) -> Option<usize> {
-        self.choice.further.own_blur.then(|| self.logarithms())
+    /// Returns the columns of the variances of own blurs; none if the candidate has none.
+    pub fn own_blurs(&self) -> Range<usize> {
+        let first = self.logarithms();
+        first..first + self.own_blurs
+    }
+
+    /// Returns the column of the variance of the own blur at a distance, or `None` if there is none.
+    fn own_blur(&self, distance: usize) -> Option<usize> {
+        let own = self.choice.further.own_blur.of(distance)?;
+        Some(self.logarithms() + own)
     }
 
     /// Returns the column of the variance of the angular spread, or `None` if the candidate has
     /// none.
     pub fn angular_spread(&self) -> Option<usize> {
         let further = self.choice.further;
-        let before = usize::from(further.own_blur);
-        further.angular_spread.then(|| self.logarithms() + before)
+        further.angular_spread.then_some(self.own_blurs().end)
     }
 
     /// Returns the columns of the dihedral errors at the edges 1, 2 and 3; none if the candidate has none.
     pub fn common_errors(&self) -> Range<usize> {
-        let errors = 3 * usize::from(self.choice.further.common_errors);
-        self.parameters() - errors..self.parameters()
+        let further = self.choice.further;
+        let first = self.own_blurs().end + usize::from(further.angular_spread);
+        first..first + 3 * usize::from(further.common_errors)
     }
 
     /// Returns the columns of further blurs.
     pub(crate) fn columns_of(&self, further: Further) -> Vec<usize> {
-        let own = self.own_blur().filter(|_| further.own_blur);
+        let own = self.own_blurs().filter(|_| further.has_own_blur());
         let spread = self.angular_spread().filter(|_| further.angular_spread);
         let errors = self.common_errors().filter(|_| further.common_errors);
-        own.into_iter().chain(spread).chain(errors).collect()
+        own.chain(spread).chain(errors).collect()
     }
 
-    /// Returns the blur of an incidence at these parameters.
-    pub fn blur(&self, parameters: &DVector<f64>, group: usize) -> Blur {
+    /// Returns the blur of a photograph at these parameters.
+    pub fn blur(&self, parameters: &DVector<f64>, place: Place) -> Blur {
         let at = |i: Option<usize>| i.map_or(1.0, |i| within(parameters[i]).exp());
         let variance = |i: Option<usize>| i.map_or(0.0, |i| parameters[i]);
         Blur {
-            spread: at(self.spread(group)),
+            spread: at(self.spread(place.group)),
             c_mm: at(self.c()),
-            own_blur_mm2: variance(self.own_blur()),
+            own_blur_mm2: variance(self.own_blur(place.distance)),
             angular_spread_mrad2: variance(self.angular_spread()),
             errors_mrad: match self.common_errors() {
                 errors if errors.is_empty() => [0.0; 3],
@@ -146,9 +165,11 @@ impl Layout {
 
     /// Returns the columns of the parameters on which one photograph depends, in the order of its
     /// derivatives (spread, c, further blurs).
-    pub fn columns(&self, group: usize) -> Vec<usize> {
-        let kernel = self.spread(group).into_iter().chain(self.c());
-        kernel.chain(self.logarithms()..self.parameters()).collect()
+    pub fn columns(&self, place: Place) -> Vec<usize> {
+        let kernel = self.spread(place.group).into_iter().chain(self.c());
+        let own = self.own_blur(place.distance);
+        let others = self.own_blurs().end..self.parameters();
+        kernel.chain(own).chain(others).collect()
     }
 
     /// Adds what is expected of the dihedral errors to residuals and derivatives.

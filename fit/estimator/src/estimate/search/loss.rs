@@ -125,7 +125,7 @@ impl<'a> Loss<'a> {
                 .shots
                 .par_iter()
                 .map(|shot| {
-                    let blur = layout.blur(at, shot.group);
+                    let blur = layout.blur(at, shot.place);
                     let part = compare(shot, None, layout.choice, blur);
                     let left = shot.view.weigh(Weights::Noise, &part.difference);
                     Remainder::of_mtf(left.as_slice())
@@ -141,7 +141,7 @@ impl<'a> Loss<'a> {
     pub(crate) fn parts(&self, layout: &Layout, at: &DVector<f64>) -> Vec<Evaluation> {
         let of = |scene: &Scene, weights| {
             let all = scene.shots.par_iter().map(|shot| {
-                let blur = layout.blur(at, shot.group);
+                let blur = layout.blur(at, shot.place);
                 let part = [compare(shot, None, layout.choice, blur)];
                 assemble(std::slice::from_ref(shot), layout, &part, weights)
             });
@@ -186,7 +186,7 @@ fn differences(scene: &Scene, layout: &Layout, at: &DVector<f64>, weights: Weigh
     let parts: Vec<Compared> = scene
         .shots
         .par_iter()
-        .map(|shot| compare(shot, None, layout.choice, layout.blur(at, shot.group)))
+        .map(|shot| compare(shot, None, layout.choice, layout.blur(at, shot.place)))
         .collect();
     assemble(&scene.shots, layout, &parts, weights)
 }

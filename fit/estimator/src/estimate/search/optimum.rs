@@ -77,7 +77,7 @@ pub(crate) fn from_each(
     starts: Vec<start::Start>,
 ) -> Vec<Optimum> {
     // A further blur begins with none.
-    let none = vec![0.0; choice.further.count()];
+    let none = vec![0.0; choice.further.count(scene.distances_mm.len())];
     let starts = starts.into_iter().map(|start| (start, none.clone()));
     from_each_with(tolerance, scene, choice, starts.collect())
 }
@@ -91,7 +91,7 @@ pub(super) fn from_each_with(
     starts: Vec<(start::Start, Vec<f64>)>,
 ) -> Vec<Optimum> {
     let loss = Loss::Mtf(scene);
-    let layout = Layout::new(choice, scene.groups.len());
+    let layout = Layout::of(choice, scene);
     let fits = starts.into_par_iter().map(|(start, further)| {
         let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();
         let c = choice.kernel.has_c().then(|| start.c_mm.ln());
@@ -117,7 +117,7 @@ pub fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
 /// Fits a candidate by any loss, from an optimum on the MTFs, until parameters and sum of squares
 /// change by less than the share `tolerance`.
 pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
-    let layout = Layout::new(from.choice, scene.groups.len());
+    let layout = Layout::of(from.choice, scene);
     let start = loss.start(&from.solution.parameters);
     let refine = |start, now| {
         let mut near = Vec::new();
@@ -197,7 +197,7 @@ fn noticeable(
 /// Evaluates a candidate by any loss at the parameters of `from`. The sum of squares is an upper
 /// limit of the least one.
 pub fn unrefined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
-    let layout = Layout::new(from.choice, scene.groups.len());
+    let layout = Layout::of(from.choice, scene);
     let parameters = loss.start(&from.solution.parameters);
     let (residuals, jacobian) = loss.evaluate(&layout, &parameters);
     Optimum {
@@ -219,7 +219,7 @@ pub fn widened(scene: &Scene, loss: &Loss, from: &Optimum) -> Optimum {
         per_angle_a: true,
         ..from.choice
     };
-    let layout = Layout::new(choice, scene.groups.len());
+    let layout = Layout::of(choice, scene);
     let mut start = from.solution.parameters.clone();
     if let Some(spread) = layout.spread(0) {
         let value = start[spread];
@@ -256,7 +256,7 @@ pub fn sum_of_squares_with(
     from: &DVector<f64>,
     (fixed, value): (usize, f64),
 ) -> (f64, DVector<f64>) {
-    let layout = Layout::new(choice, scene.groups.len());
+    let layout = Layout::of(choice, scene);
     let with = |free: &DVector<f64>| free.clone().insert_row(fixed, value);
     let mut near = Vec::new();
     let mut evaluate = |free: &DVector<f64>| {
@@ -278,7 +278,7 @@ pub fn residuals_at(
     choice: Choice,
     parameters: &DVector<f64>,
 ) -> (DVector<f64>, DMatrix<f64>) {
-    let layout = Layout::new(choice, scene.groups.len());
+    let layout = Layout::of(choice, scene);
     Loss::Mtf(scene).evaluate(&layout, parameters)
 }
 

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::estimate::scene::Scene;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
-use crate::model::Further;
+use crate::model::{Further, OwnBlur};
 use edges::names::Kernel;
 
 /// Share of a column's square that has to be left after the other columns are projected out. Below
@@ -26,14 +26,18 @@ pub(crate) fn possible(scene: &Scene, kernel: Kernel) -> Further {
     let shifts = kernel.shifts_rays() && !kernel.has_waves() && !kernel.is_baseline();
     let mut shots = scene.shots.iter();
     Further {
-        own_blur: scene.reference.is_some() && !kernel.is_baseline(),
+        own_blur: match scene.distances_mm.len() {
+            _ if scene.reference.is_none() || kernel.is_baseline() => OwnBlur::None,
+            1 => OwnBlur::Shared,
+            _ => OwnBlur::PerDistance,
+        },
         angular_spread: !kernel.is_baseline(),
         common_errors: shifts && shots.all(|shot| shot.direction.bent().is_some()),
     }
 }
 
 /// Information on further blurs that a candidate does not have, at one point. Their columns come in
-/// the order of [`Layout`].
+/// the order of [`Layout`], with an own blur of each distance, whose sum is that of all photographs.
 pub(crate) struct Score {
     /// Blurs of the columns.
     further: Further,
@@ -41,12 +45,12 @@ pub(crate) struct Score {
     information: DMatrix<f64>,
     /// Columns times residuals, projected likewise.
     pull: DVector<f64>,
-    /// Squares of the columns before the projection.
-    whole: DVector<f64>,
-    /// Changes of the parameters of the candidate by the variances, at the least sum of squares.
-    pub response: DMatrix<f64>,
-    /// Layout of the candidate with all its blurs.
-    layout: Layout,
+    /// Products of the columns before the projection.
+    whole: DMatrix<f64>,
+    /// Changes of the parameters of the candidate by the columns, at the least sum of squares.
+    response: DMatrix<f64>,
+    /// Number of floating distances.
+    distances: usize,
 }
 
 impl Score {
@@ -66,7 +70,7 @@ impl Score {
             further: own.and(further),
             ..choice
         };
-        let layout = Layout::new(choice, scene.groups.len());
+        let layout = Layout::of(choice, scene);
         let added = layout.columns_of(further);
         if added.is_empty() {
             return None;
@@ -102,56 +106,72 @@ impl Score {
         let is_finite = information.iter().all(finite) && pull.iter().all(finite);
         is_finite.then(|| Score {
             further,
-            whole: DVector::from_iterator(
-                added.len(),
-                columns.column_iter().map(|column| column.norm_squared()),
-            ),
+            whole: columns.tr_mul(&columns),
             information,
             pull,
             response,
-            layout,
+            distances: scene.distances_mm.len(),
         })
     }
 
-    /// Returns the columns of some of the blurs, or `None` if one of them has none.
-    pub(super) fn columns(&self, wanted: Further) -> Option<Vec<usize>> {
-        let all = self.layout.columns_of(self.further);
-        let place = |column: &usize| all.iter().position(|own| own == column);
-        let is_there = wanted.without(self.further) == Further::NONE;
-        let wanted = self.layout.columns_of(wanted);
-        is_there.then(|| wanted.iter().filter_map(place).collect())
+    /// Returns the parameters of some of the blurs as sums of columns, or `None` if one of them has none.
+    fn sums(&self, wanted: Further) -> Option<DMatrix<f64>> {
+        if !wanted.are_among(self.further) {
+            return None;
+        }
+        let distances = self.further.own_blur.count(self.distances);
+        let mut sums = DMatrix::zeros(self.pull.len(), wanted.count(self.distances));
+        for distance in 0..distances {
+            if let Some(column) = wanted.own_blur.of(distance) {
+                sums[(distance, column)] = 1.0;
+            }
+        }
+        let spread = usize::from(self.further.angular_spread);
+        let errors = self.pull.len() - distances - spread;
+        let spread = std::iter::repeat_n(wanted.angular_spread, spread);
+        let others = spread.chain(std::iter::repeat_n(wanted.common_errors, errors));
+        let rows = (distances..)
+            .zip(others)
+            .filter(|&(_, is_wanted)| is_wanted);
+        for ((row, _), column) in rows.zip(wanted.own_blur.count(self.distances)..) {
+            sums[(row, column)] = 1.0;
+        }
+        Some(sums)
+    }
+
+    /// Returns the changes of the parameters of the candidate by those of some of the blurs, at the
+    /// least sum of squares, or `None` if one of the blurs has no column.
+    pub(super) fn response(&self, wanted: Further) -> Option<DMatrix<f64>> {
+        Some(&self.response * self.sums(wanted)?)
     }
 
     /// Returns the standard error of one dihedral error of all edges, mrad; `None` without errors.
     pub(crate) fn equal_errors(&self) -> Option<f64> {
-        let columns = self.columns(Further::COMMON_ERRORS)?;
-        let pairs = columns
-            .iter()
-            .flat_map(|&i| columns.iter().map(move |&j| (i, j)));
-        let information: f64 = pairs.map(|pair| self.information[pair]).sum();
+        let sums = self.sums(Further::COMMON_ERRORS)?;
+        let information = (sums.tr_mul(&self.information) * sums).sum();
         (information > 0.0).then(|| information.sqrt().recip())
     }
 
-    /// Returns the fall of the sum of squares by a step along some of the blurs, and the variance at
-    /// its end with its standard error for each of them. Returns `None` if the photographs do not
-    /// tell the blurs apart, or from the other parameters.
+    /// Returns the fall of the sum of squares by a step along some of the blurs, and the parameters
+    /// at its end, each with its standard error. Returns `None` if the photographs do not tell the
+    /// blurs apart, or from the other parameters.
     pub(super) fn step(&self, wanted: Further) -> Option<(f64, Vec<[f64; 2]>)> {
-        let columns = self.columns(wanted)?;
-        let n = columns.len();
-        let of = |i: usize, j: usize| self.information[(columns[i], columns[j])];
-        let information = DMatrix::from_fn(n, n, of);
-        let pull = DVector::from_fn(n, |i, _| self.pull[columns[i]]);
+        let sums = self.sums(wanted)?;
+        let n = sums.ncols();
+        let information = sums.tr_mul(&self.information) * &sums;
+        let whole = sums.tr_mul(&self.whole) * &sums;
+        let pull = sums.tr_mul(&self.pull);
         // The share of a column that neither the parameters nor the other blur explains.
         let inverse = information.try_inverse()?;
         let told = |i: usize| {
             let left = inverse[(i, i)].recip();
-            left > INDEPENDENT * self.whole[columns[i]]
+            left > INDEPENDENT * whole[(i, i)]
         };
         if !(0..n).all(told) {
             return None;
         }
         let step = &inverse * &pull;
-        let variances = (0..n).map(|i| [-step[i], inverse[(i, i)].sqrt()]);
-        Some((pull.dot(&step), variances.collect()))
+        let parameters = (0..n).map(|i| [-step[i], inverse[(i, i)].sqrt()]);
+        Some((pull.dot(&step), parameters.collect()))
     }
 }

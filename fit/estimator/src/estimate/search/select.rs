@@ -277,7 +277,7 @@ pub(super) fn with_mu(scene: &Scene, loss: &Loss, open: &Candidates, chosen: Opt
 /// Returns the rows of all candidates, best criterion first.
 fn ranked(scene: &Scene, fits: &[Optimum], scale: f64) -> Vec<Ranked> {
     let row = |fit: &Optimum| {
-        let parameters = Layout::new(fit.choice, scene.groups.len()).parameters();
+        let parameters = Layout::of(fit.choice, scene).parameters();
         Ranked {
             choice: fit.choice,
             criterion: fit.criterion(scale),

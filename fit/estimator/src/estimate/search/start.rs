@@ -147,7 +147,7 @@ impl<'a> Search<'a> {
         let mut cost = vec![vec![0.0; self.spreads.len()]; groups];
         for (shot, samples) in self.scene.shots.iter().zip(&self.samples) {
             let model = model(shot, self.choice);
-            let cost = &mut cost[if own { shot.group } else { 0 }];
+            let cost = &mut cost[if own { shot.place.group } else { 0 }];
             for sample in samples {
                 let sheet = model.sheet(c_mm, errors_mrad, sample.frequency)[0].norm();
                 for (cost, lobe) in cost.iter_mut().zip(&sample.lobe) {

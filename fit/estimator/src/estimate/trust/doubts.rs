@@ -99,7 +99,7 @@ impl Doubted<'_> {
         let (mut all, angles) = rayon::join(|| doubts.scales(), || doubts.angles());
         all.extend(angles);
         // An own blur that was fitted is not taken on trust, nor is a lens without a reference.
-        if self.scene.reference.is_some() && self.best.own_blur_px.is_none() {
+        if self.scene.reference.is_some() && self.best.own_blur_px.is_empty() {
             let step = format!("{OWN_BLUR_PX} px of further blur");
             let blur_mm = OWN_BLUR_PX * self.scene.optics.camera.pitch_mm;
             let changes = doubts.blurred(Further::OWN_BLUR, &[blur_mm.powi(2)]);
@@ -148,7 +148,7 @@ impl Doubted<'_> {
         from: Optimum,
         fixed: &[usize],
     ) -> Option<Optimum> {
-        let layout = Layout::new(from.choice, scene.groups.len());
+        let layout = Layout::of(from.choice, scene);
         let start = from.solution.parameters;
         let (residuals, jacobian) = loss.evaluate(&layout, &start);
         let mut free = jacobian.clone();
@@ -360,7 +360,7 @@ impl Doubts<'_> {
         let base = self.base?;
         let mut from = best.optimum();
         from.choice.further = from.choice.further.and(further);
-        let layout = Layout::new(from.choice, scene.groups.len());
+        let layout = Layout::of(from.choice, scene);
         let columns = layout.columns_of(further);
         for (&column, &value) in columns.iter().zip(by) {
             from.solution.parameters = from.solution.parameters.insert_row(column, value);
@@ -438,7 +438,7 @@ impl Doubts<'_> {
         let own = changes.iter_mut().skip(best.blur_parameters());
         for (group, change) in own.enumerate() {
             let numbered = scene.shots.iter().zip(&shots);
-            let of_group = numbered.filter(|(shot, _)| groups == 1 || shot.group == group);
+            let of_group = numbered.filter(|(shot, _)| groups == 1 || shot.place.group == group);
             *change = mean(&mut of_group.map(|(_, levels)| levels)) - source;
         }
         Some(changes)

@@ -184,7 +184,7 @@ fn reference_name(i: usize, scene: &Scene) -> String {
 
 /// Judges a fit. `loss` is the loss that gave it, and `fit` has standard errors by the noise alone.
 pub fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
-    let layout = Layout::new(fit.choice, scene.groups.len());
+    let layout = Layout::of(fit.choice, scene);
     let remainders = loss.remainders(&layout, &fit.solution.parameters);
     let degrees_of_freedom = fit.degrees_of_freedom();
     let own: Vec<f64> = remainders
@@ -393,8 +393,11 @@ impl LeftOut {
         for (k, (id, (value, slope))) in blur.enumerate().take(fit.blur_parameters()) {
             let at_angle = |i: usize| {
                 let shot = scene.shots.get(i);
-                let apart = shot.zip(id.incidence_deg);
-                apart.is_none_or(|(shot, deg)| shot.incidence_deg == deg)
+                let apart = shot.zip(id.at);
+                apart.is_none_or(|(shot, at)| match id.kind {
+                    ParameterKind::OwnBlur => shot.floating_distance_mm == at,
+                    _ => shot.incidence_deg == at,
+                })
             };
             let photographs = (0..self.each.len().min(scene.shots.len()))
                 .filter(|&i| at_angle(i))

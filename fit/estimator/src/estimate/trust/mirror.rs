@@ -69,9 +69,9 @@ pub(crate) fn unstated_azimuth(
 
 /// Returns whether the MTF of a photograph depends on the view.
 fn is_seen(scene: &Scene, mirrored: &Scene, best: &Estimate) -> bool {
-    let layout = Layout::new(best.choice, scene.groups.len());
+    let layout = Layout::of(best.choice, scene);
     scene.shots.iter().zip(&mirrored.shots).any(|(own, other)| {
-        let blur = layout.blur(&best.solution.parameters, own.group);
+        let blur = layout.blur(&best.solution.parameters, own.place);
         let mtf = |shot, f| model(shot, best.choice).otf(blur, f).value.norm();
         let mut frequencies = own.view.estimator.frequencies_per_mm.iter();
         frequencies.any(|&f| (mtf(own, f) - mtf(other, f)).abs() > SAME)

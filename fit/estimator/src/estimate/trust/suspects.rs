@@ -27,7 +27,7 @@ use tables::Table;
 
 use crate::estimate::progress::{Cancelled, Progress, Step};
 use crate::estimate::scene::perturbed::{Conditions, OtherIndex};
-use crate::estimate::scene::{Aerial, Scene, Source, group};
+use crate::estimate::scene::{Aerial, Scene, Source};
 use crate::estimate::search::fitted::{Estimate, estimate};
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::{Kind, Loss};
@@ -416,12 +416,8 @@ impl Search<'_> {
                 .moved(shot, otherwise.table, otherwise.index, conditions);
             moved.ok()
         };
-        let mut shots: Vec<Aerial> = pairs.map(one).collect::<Option<_>>()?;
-        let groups = group(&mut shots);
-        Some(Scene {
-            groups,
-            ..self.scene.with(shots)
-        })
+        let shots = pairs.map(one).collect::<Option<_>>()?;
+        Some(self.scene.with(shots))
     }
 
     /// Returns those of the alternatives that explain the misfit of the blur. The MTFs have the
@@ -513,7 +509,7 @@ impl Search<'_> {
         };
         let from = fit.choice.kernel.distance_scale(scene.mean_distance_mm());
         let to = choice.kernel.distance_scale(scene.mean_distance_mm());
-        let count = Layout::new(choice, scene.groups.len()).spreads.max(1);
+        let count = Layout::of(choice, scene).spreads.max(1);
         Start {
             c_mm: fit.c_mm.map_or(0.2, |c| c.value),
             spread: vec![spread * to / from; count],
@@ -566,6 +562,6 @@ fn freed(fit: &Optimum, scene: &Scene) -> f64 {
 /// Returns the degrees of freedom of a fit. The observations are less the parameters of the lens
 /// already.
 fn freedom(fit: &Optimum, scene: &Scene) -> usize {
-    let layout = Layout::new(fit.choice, scene.groups.len());
+    let layout = Layout::of(fit.choice, scene);
     fit.observations.saturating_sub(layout.parameters())
 }

@@ -3,14 +3,14 @@
 use crate::estimate::scene::Scene;
 use crate::estimate::scene::reference::between;
 use crate::estimate::search::azimuth::Azimuth;
-use crate::estimate::search::fitted::Estimate;
+use crate::estimate::search::fitted::{Estimate, own_blurs};
 use crate::estimate::search::hints::edge_by_edge;
 use crate::estimate::search::layout::Value;
 use crate::estimate::search::select::{CLEAR, Ranked};
 use crate::estimate::trust::goodness::{Goodness, POOR_LENS, Verdict};
 use crate::estimate::trust::suspects::{Diagnosis, Explains, Suspect};
-use crate::model::Further;
-use edges::names::Kernel;
+use crate::model::{Further, OwnBlur};
+use edges::names::{Kernel, ParameterId};
 
 /// Ratio of the farthest to the nearest distance from which on a slip in one of them is likely.
 const FAR_APART: f64 = 5.0;
@@ -68,13 +68,15 @@ const ACROSS_RAD: f64 = std::f64::consts::FRAC_PI_6;
 
 /// Returns a warning if the mid-air photographs have a blur that the reference does not have.
 fn own_blur(scene: &Scene, best: &Estimate) -> Option<String> {
-    let own = best.own_blur_px?;
-    let (size, error) = (own.value.abs(), own.standard_error);
-    let (compared, of) = if own.value > 0.0 {
-        ("blurred by", "more than the reference")
-    } else {
-        ("sharper by", "than the reference")
+    let all = own_blurs(scene, best.choice).into_iter();
+    let each = |(id, own): (ParameterId, &Value)| {
+        let at = id.place().map_or(String::new(), |at| format!(" at {at}"));
+        format!("{:+.2} +- {:.2} px{at}", own.value, own.standard_error)
     };
+    let all: Vec<String> = all.zip(&best.own_blur_px).map(each).collect();
+    if all.is_empty() {
+        return None;
+    }
     let normals = scene.shots.iter().map(|shot| shot.pixels.line.normal_rad);
     let first = normals.clone().next().unwrap_or(0.0);
     let remedy = if normals.clone().all(|own| between(own, first) < ACROSS_RAD) {
@@ -84,10 +86,11 @@ fn own_blur(scene: &Scene, best: &Estimate) -> Option<String> {
         is not. Fit the photographs of each direction as a campaign of their own, and compare c"
     };
     Some(format!(
-        "the mid-air photographs are {compared} {size:.2} +- {error:.2} px {of} (standard deviation \
-        of a Gaussian): focus, or vibration. The estimate allows for it. Focus all photographs on \
-        their edge, with one aperture, and take the reference at the distance of the mid-air \
-        image.{remedy}"
+        "the mid-air photographs have a blur that the reference does not have: {} (standard deviation \
+        of a Gaussian; negative: the reference is less sharp): focus, or vibration. The estimate \
+        allows for it. Focus all photographs on their edge, with one aperture, and take the \
+        reference at the distance of the mid-air image.{remedy}",
+        all.join(", ")
     ))
 }
 
@@ -107,7 +110,7 @@ fn common_errors(best: &Estimate) -> Option<String> {
 /// photographs about equally well.
 fn either_blur(best: &Estimate, compared: &[Ranked]) -> Option<String> {
     let own = best.choice.further;
-    if own.own_blur == own.angular_spread || own.common_errors {
+    if own.has_own_blur() == own.angular_spread || own.common_errors {
         return None;
     }
     let criterion = |further: Further| {
@@ -115,12 +118,16 @@ fn either_blur(best: &Estimate, compared: &[Ranked]) -> Option<String> {
         rows.map(|row| row.criterion).reduce(f64::min)
     };
     let other = Further {
-        own_blur: own.angular_spread,
-        angular_spread: own.own_blur,
+        own_blur: if own.angular_spread {
+            OwnBlur::Shared
+        } else {
+            OwnBlur::None
+        },
+        angular_spread: own.has_own_blur(),
         common_errors: false,
     };
     let (own, other) = (criterion(own)?, criterion(other)?);
-    let [taken, beside] = if best.own_blur_px.is_some() {
+    let [taken, beside] = if best.choice.further.has_own_blur() {
         ["a blur of the camera", "an angular spread of the sheet"]
     } else {
         ["an angular spread of the sheet", "a blur of the camera"]

@@ -131,7 +131,7 @@ fn derivatives_by_blur_and_exponent_of_the_lens_match_differences() {
     let (scene, [c, a, _]) = planted(700);
     let at = DVector::from_vec(vec![c.ln(), a.ln()]);
     let joint = Joint::new(&scene, SHARED, &at);
-    let layout = Layout::new(SHARED, scene.groups.len());
+    let layout = Layout::of(SHARED, &scene);
     let mut off = joint.start(&at);
     off.add_scalar_mut(0.05);
     let (residuals, jacobian) = joint.evaluate(&layout, &off, &mut Vec::new());

@@ -26,10 +26,21 @@ struct Outcome {
 
 /// Photographs and fits a campaign with an effect.
 fn fitted(effect: Effect, seed: u64, distances_mm: &[f64], electrons: f64) -> Outcome {
+    fitted_at(&INCIDENCE, effect, seed, distances_mm, electrons)
+}
+
+/// The same at these incidences.
+fn fitted_at(
+    incidence_deg: &[f64],
+    effect: Effect,
+    seed: u64,
+    distances_mm: &[f64],
+    electrons: f64,
+) -> Outcome {
     let [c, a, mu] = TRUTH;
     let sheet = truth(Kernel::Eq1, LobeShape::Radial, a, c, mu);
-    let table = table(&sheet, &INCIDENCE, 20.0);
-    let params = params(seed, sheet, &INCIDENCE, distances_mm, camera(electrons));
+    let table = table(&sheet, incidence_deg, 20.0);
+    let params = params(seed, sheet, incidence_deg, distances_mm, camera(electrons));
     let source = trial::source(&params, |params, index| taken(effect, params, index));
     let given = trial::campaign(&params, &[]);
     let options = Options::new(Candidates::proposed());
@@ -120,6 +131,7 @@ fn another_lens_is_found_and_named() {
         );
         let blur = best
             .own_blur_px
+            .first()
             .unwrap_or_else(|| panic!("{effect:?} is not found"));
         let allowed = 4.0 * blur.standard_error + 0.1 * blur.value.abs();
         assert!(
@@ -141,30 +153,70 @@ fn another_lens_is_found_and_named() {
     cases.into_par_iter().for_each(run);
 }
 
-/// Another focus at one of two distances makes a fit poor, and is the first suspect, with its blur to a
-/// tenth.
+/// Lenses that are others at each distance, or at one of them, are found: each blur within four errors,
+/// and c too.
 #[test]
 #[ignore = "seconds: `make test-full` runs it"]
-fn another_focus_at_one_distance_is_named() {
-    let cases = [0.85, 1.0, 1.2];
-    let run = |sigma_px: f64| {
-        let Outcome { estimated, .. } = fitted(Effect::NearLens(sigma_px), 3, &[150.0, 300.0], 4e4);
-        let expected = (sigma_px.powi(2) - 0.55_f64.powi(2)).sqrt();
-        let first = estimated.suspects.first();
-        println!("{sigma_px} px: {:?} {first:?}", estimated.goodness.verdict);
-        assert_eq!(estimated.goodness.verdict, Verdict::Poor, "{sigma_px}");
-        let first = first.expect("there is a suspect");
-        assert!(first.leaves_noise(), "{sigma_px}: {first:?}");
-        let shots = estimated.scene.shots.iter();
-        let near = shots.filter(|shot| shot.r_mm == 150.0);
-        let near: Vec<String> = near.map(|shot| shot.image.clone()).collect();
-        assert_eq!(first.captures, near);
-        let (_, said) = first.what.split_once("blurred by ").expect("it is a blur");
-        let (blur, _) = said.split_once(" px").expect("it is in pixels");
-        let blur: f64 = blur.parse().expect("it is a number");
-        assert!((blur / expected - 1.0).abs() < 0.1, "{sigma_px}: {blur}");
+fn another_focus_at_each_distance_is_found() {
+    let cases = [[0.9, 0.55], [0.6, 1.0], [0.75, 0.3], [1.2, 0.9]];
+    let run = |lenses: [f64; 2]| {
+        let Outcome { estimated, .. } = fitted(Effect::Focus(lenses), 3, &[150.0, 300.0], 4e4);
+        let best = &estimated.best;
+        let c = error_of_c(best).expect("there is a shift");
+        let blurs = &best.own_blur_px;
+        println!(
+            "{lenses:?}: {c:.2?}, {blurs:.3?}, {:?}",
+            estimated.goodness.verdict
+        );
+        assert_eq!(blurs.len(), 2, "{lenses:?}");
+        for (lens, own) in lenses.into_iter().zip(blurs) {
+            let variance = lens * lens - 0.55 * 0.55;
+            let expected = variance.abs().sqrt().copysign(variance);
+            assert!(
+                (own.value - expected).abs() < 4.0 * own.standard_error,
+                "{lenses:?} {own:?}"
+            );
+        }
+        assert!(c[1].abs() < 4.0, "{lenses:?}: {c:?}");
+        assert_ne!(estimated.goodness.verdict, Verdict::Poor, "{lenses:?}");
+        let names: Vec<String> = best.parameters.iter().map(|id| id.to_string()).collect();
+        for name in ["own_blur_px_at_150", "own_blur_px_at_300"] {
+            assert!(names.iter().any(|own| own == name), "{names:?}");
+        }
+        let said = |place: &str| estimated.warnings.iter().any(|own| own.contains(place));
+        assert!(said(" at 150 mm") && said(" at 300 mm"));
     };
-    assert_eq!(cases.len(), 3);
+    assert_eq!(cases.len(), 4);
+    cases.into_par_iter().for_each(run);
+}
+
+/// Photographs at one incidence and two distances do not tell another focus of each from dihedral errors
+/// that all cubes share. Whichever is taken, the stated error of c includes the other.
+#[test]
+#[ignore = "seconds: `make test-full` runs it"]
+fn another_focus_and_dihedral_errors_that_look_alike_are_in_the_errors() {
+    let cases = [
+        Effect::Focus([0.9, 0.7]),
+        Effect::Focus([0.9, 0.55]),
+        Effect::Focus([0.6, 1.0]),
+        Effect::Common([0.05; 3]),
+        Effect::Common([0.1, 0.0, 0.0]),
+    ];
+    let run = |effect: Effect| {
+        let Outcome { estimated, .. } = fitted_at(&[20.0], effect, 3, &[150.0, 300.0], 4e4);
+        let best = &estimated.best;
+        let c = error_of_c(best).expect("there is a shift");
+        let open = estimated
+            .warnings
+            .iter()
+            .any(|own| own.contains("would explain"));
+        println!(
+            "{effect:?}: {c:.2?}, {:?}, open {open}",
+            best.choice.further
+        );
+        assert!(c[1].abs() < 4.0, "{effect:?}: {c:?}");
+    };
+    assert_eq!(cases.len(), 5);
     cases.into_par_iter().for_each(run);
 }
 
@@ -180,7 +232,7 @@ fn a_hint_of_another_lens_is_in_the_errors() {
         let (now, was) = (error_of_c(&estimated.best), error_of_c(&before));
         let [now, was] = [now, was].map(|own| own.expect("there is a shift"));
         let hinted = estimated.warnings.iter().any(|own| own.contains("hint at"));
-        let found = estimated.best.own_blur_px;
+        let found = estimated.best.own_blur_px.first();
         println!("{sigma_px} px: c {now:.2?}, before {was:.2?}, hint {hinted}, {found:?}");
         assert!(was[1] > 4.0, "{sigma_px}: {was:?}");
         assert!(!(hinted && found.is_some()), "{sigma_px}");
@@ -225,7 +277,7 @@ fn dihedral_errors_are_an_angular_spread() {
             }
         }
         assert_eq!(verdict, Verdict::Good, "{mrad}");
-        assert!(best.own_blur_px.is_none(), "{mrad}");
+        assert!(best.own_blur_px.is_empty(), "{mrad}");
         if let Some([_, errors]) = now {
             assert!(errors.abs() < 4.0, "{mrad}");
         }
@@ -294,7 +346,7 @@ fn ideal_photographs_get_no_further_blur() {
     seeds.into_par_iter().for_each(|seed| {
         let Outcome { estimated, before } = fitted(Effect::None, seed, &[150.0, 300.0], 4e4);
         let best = &estimated.best;
-        assert!(best.own_blur_px.is_none() && best.angular_spread_mrad.is_none());
+        assert!(best.own_blur_px.is_empty() && best.angular_spread_mrad.is_none());
         assert_eq!(best.c_mm, before.c_mm);
         assert!(best.dihedral_errors_mrad.is_none());
         for name in ["lens", "dihedral_angles"] {

@@ -167,7 +167,7 @@ fn derivatives_of_the_likelihood_match_differences() {
             }
             let at = DVector::from_vec(at);
             let joint = Joint::new(&scene, choice, &at);
-            let layout = Layout::new(choice, scene.groups.len());
+            let layout = Layout::of(choice, &scene);
             let off = joint.start(&at.map(|v| v + 0.05));
             let (residuals, jacobian) = joint.evaluate(&layout, &off, &mut Vec::new());
             let gradient = 2.0 * jacobian.tr_mul(&residuals);
@@ -400,7 +400,7 @@ fn bins_tell_all(own: usize) {
     let Loss::Edge(joint) = loss else {
         unreachable!()
     };
-    let layout = Layout::new(SHARED, scene.groups.len());
+    let layout = Layout::of(SHARED, &scene);
     let bound = joint.information(&layout, &fit.solution.parameters, Used::ByAnyEstimate);
 
     let plain = Plain::new(&params, own);

@@ -69,7 +69,6 @@ fn model_equals_noise_free_photographs() {
                     ghost: None,
                     haze: None,
                     tangential_gain: 1.0,
-                    own_blur_gain: 1.0,
                 };
                 let curve = shot.view.curve(&model, Blur::new(a, 0.31));
                 let profile = &shot.view.profile;

@@ -324,7 +324,7 @@ fn with_bent_cubes(result: &ResultFile) -> ResultFile {
 /// A result in which one parameter is moved.
 pub(super) fn with(result: &ResultFile, id: ParameterId, by: f64) -> ResultFile {
     let mut moved = serde_json::to_value(result).unwrap();
-    let within = match id.incidence_deg {
+    let within = match id.at {
         None => "value",
         Some(0.0) => "per_angle/0/value",
         Some(_) => "per_angle/1/value",

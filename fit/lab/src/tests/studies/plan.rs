@@ -187,7 +187,7 @@ fn foreseen_errors_are_bounds_of_the_photographs() {
         let mut joint = Joint::new(&scene, choice, &blur);
         let at = planted(&joint, &params.camera, &blur);
         joint.with_noise(choice, &at, noise(&params.camera));
-        let layout = Layout::new(choice, scene.groups.len());
+        let layout = Layout::of(choice, &scene);
         let bound = joint.information(&layout, &at, Used::ByAnyEstimate);
         let covariance = bound.mu.expect("there is a reference").covariance;
         assert_eq!(planned.expected.len(), covariance.nrows());

@@ -20,7 +20,7 @@ fn a_misfit_raises_what_a_mu_of_each_incidence_has_to_bring() {
         &of_ideal,
     );
     for shot in &mut scene.shots {
-        shot.direction.returned.retroreflected *= [1.1, 1.0][shot.group];
+        shot.direction.returned.retroreflected *= [1.1, 1.0][shot.place.group];
     }
     let choice = Choice {
         per_angle_mu: true,

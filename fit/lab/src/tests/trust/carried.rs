@@ -139,7 +139,7 @@ fn differences_of_light_hold_the_error_of_eta() {
     );
     for shot in &mut scene.shots {
         let returned = &mut shot.direction.returned;
-        returned.retroreflected *= [1.2, 1.0][shot.group];
+        returned.retroreflected *= [1.2, 1.0][shot.place.group];
         returned.standard_error = 0.05 * returned.retroreflected;
     }
     let expected = 1.2_f64.ln() / 0.05;
@@ -181,8 +181,8 @@ fn photographs_of_one_incidence_share_the_error_of_eta() {
         let mut other = scene.clone();
         for shot in &mut other.shots {
             let returned = &mut shot.direction.returned;
-            returned.retroreflected *= scale[shot.group];
-            returned.standard_error = errors[shot.group] * returned.retroreflected;
+            returned.retroreflected *= scale[shot.place.group];
+            returned.standard_error = errors[shot.place.group] * returned.retroreflected;
         }
         other
     };

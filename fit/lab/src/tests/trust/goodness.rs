@@ -30,7 +30,7 @@ fn halves_of_a_photograph_scatter_by_its_noise() {
         let fit = fitted(&scene, SHARED, Kind::Edge);
         let at = fit.solution.parameters.rows(0, 2).into_owned();
         let loss = Loss::new(Kind::Edge, &scene, (SHARED, &at));
-        let layout = Layout::new(SHARED, 1);
+        let layout = Layout::new(SHARED, 1, 1);
         let LeftOut { each, halves } = LeftOut::all(&scene, &loss, &layout, &fit);
         assert_eq!((each.len(), halves.len()), (2, 2));
         let off = |k: usize, value: &Value| {
@@ -64,7 +64,7 @@ fn chances_are_those_of_the_photographs_sums() {
         let loss = Loss::new(kind, &scene, (SHARED, &near.solution.parameters));
         let fit = estimate(&scene, &loss, refined(&scene, &loss, near));
         let found = of(&scene, &loss, &fit);
-        let layout = Layout::new(SHARED, scene.groups.len());
+        let layout = Layout::of(SHARED, &scene);
         let own = loss.remainders(&layout, &fit.solution.parameters);
         let photographs = if kind == Kind::Edge { 5 } else { 4 };
         assert_eq!(own.len(), photographs);
@@ -154,7 +154,7 @@ fn a_misfit_raises_by_the_root_of_chi_square_or_by_the_jackknife() {
         let loss = Loss::Mtf(&scene);
         let fit = estimate(&scene, &loss, optimum(&scene, choice));
         let found = of(&scene, &loss, &fit);
-        let layout = Layout::new(choice, scene.groups.len());
+        let layout = Layout::of(choice, &scene);
         let jackknife = LeftOut::all(&scene, &loss, &layout, &fit).scale(&scene, &fit);
         let freedom = fit.residuals - layout.parameters();
         let by_chi2 = (fit.chi2 / freedom as f64).sqrt();
@@ -191,7 +191,7 @@ fn photographs_left_out_move_the_estimate_as_fits_without_them() {
         let fit = fitted(&scene, choice, Kind::Mtf);
         let at = &fit.solution.parameters;
         let loss = Loss::Mtf(&scene);
-        let layout = Layout::new(choice, scene.groups.len());
+        let layout = Layout::of(choice, &scene);
         let left_out = LeftOut::all(&scene, &loss, &layout, &fit);
         let errors: Vec<f64> = fit
             .values()
@@ -212,7 +212,7 @@ fn photographs_left_out_move_the_estimate_as_fits_without_them() {
                     "{i} {k}"
                 );
                 most = most.max(expected.abs());
-                if k < first || !per_angle_a || scene.shots[i].group == k - first {
+                if k < first || !per_angle_a || scene.shots[i].place.group == k - first {
                     all[k].push(expected);
                 }
                 cases += 1;

@@ -38,7 +38,7 @@ fn apart(found: &Scene, expected: &Scene) -> f64 {
     assert_eq!(found.shots.len(), expected.shots.len());
     let mut worst = 0.0_f64;
     for (own, other) in found.shots.iter().zip(&expected.shots) {
-        assert_eq!(own.group, other.group);
+        assert_eq!(own.place.group, other.place.group);
         assert_eq!(own.conditions().r_mm, other.conditions().r_mm);
         assert_eq!(own.exposure, other.exposure);
         assert_eq!(

@@ -2,7 +2,7 @@
 
 use edges::names::{ParameterId, ParameterKind};
 use estimator::estimate::Bound;
-use estimator::result::{AtAngle, Number, Parameter};
+use estimator::result::{Number, OwnBlur, Parameter};
 
 use crate::report::page::markup::{Row, rounded, significant, table};
 use crate::report::page::shown::Page;
@@ -23,7 +23,7 @@ struct Shown<'a> {
 
 /// One number of a parameter.
 struct Entry {
-    incidence_deg: Option<f64>,
+    id: ParameterId,
     number: Number,
     bound: Option<Bound>,
     truth: Option<f64>,
@@ -98,47 +98,20 @@ fn explained(kind: ParameterKind) -> &'static str {
 }
 
 /// Collects the numbers of a parameter with their bounds and truths.
-fn shown<'a>(page: &'a Page, kind: ParameterKind, parameter: &Parameter) -> Shown<'a> {
-    let entry = |incidence_deg: Option<f64>, number: Number| {
-        let id = ParameterId {
-            kind,
-            incidence_deg,
-        };
-        Entry {
-            incidence_deg,
-            number,
-            bound: page.result.bounds.get(&id).copied(),
-            truth: page.truth.and_then(|truth| truth.of(id)),
-        }
+fn shown<'a>(page: &'a Page, kind: ParameterKind, numbers: &[(ParameterId, Number)]) -> Shown<'a> {
+    let entry = |&(id, number): &(ParameterId, Number)| Entry {
+        id,
+        number,
+        bound: page.result.bounds.get(&id).copied(),
+        truth: page.truth.and_then(|truth| truth.of(id)),
     };
     let (symbol, meaning, unit) = symbol(kind);
-    let entries = match parameter {
-        Parameter::Shared(number) => vec![entry(None, *number)],
-        Parameter::PerAngle { per_angle } => per_angle
-            .iter()
-            .map(
-                |&AtAngle {
-                     incidence_deg,
-                     value,
-                     standard_error,
-                 }| {
-                    entry(
-                        Some(incidence_deg),
-                        Number {
-                            value,
-                            standard_error,
-                        },
-                    )
-                },
-            )
-            .collect(),
-    };
     Shown {
         kind,
         symbol,
         meaning,
         unit,
-        entries,
+        entries: numbers.iter().map(entry).collect(),
         page,
     }
 }
@@ -164,7 +137,8 @@ fn collected<'a>(page: &'a Page) -> Vec<Shown<'a>> {
     let front = result.surface_roughness.map(Parameter::Shared);
     let front = front.or_else(|| absent(ParameterKind::SurfaceRoughness));
     let azimuth = result.azimuth_deg.map(Parameter::Shared);
-    let own_blur = result.own_blur_px.map(Parameter::Shared);
+    let blurs = result.own_blur_px.as_ref();
+    let blurs = blurs.map_or(Vec::new(), OwnBlur::numbers);
     let angular = result.angular_spread_mrad.map(Parameter::Shared);
     let angular = angular.or_else(|| absent(ParameterKind::AngularSpread));
     let errors = result.dihedral_errors();
@@ -174,7 +148,7 @@ fn collected<'a>(page: &'a Page) -> Vec<Shown<'a>> {
         (ParameterKind::ATimesR, result.a_times_r.as_ref()),
         (ParameterKind::Roughness, result.roughness.as_ref()),
         (ParameterKind::SurfaceRoughness, front.as_ref()),
-        (ParameterKind::OwnBlur, own_blur.as_ref()),
+        (ParameterKind::OwnBlur, None),
         (ParameterKind::AngularSpread, angular.as_ref()),
         (ParameterKind::DihedralError1, errors[0].as_ref()),
         (ParameterKind::DihedralError2, errors[1].as_ref()),
@@ -183,7 +157,12 @@ fn collected<'a>(page: &'a Page) -> Vec<Shown<'a>> {
         (ParameterKind::Azimuth, azimuth.as_ref()),
     ]
     .into_iter()
-    .filter_map(|(kind, parameter)| Some(shown(page, kind, parameter?)))
+    .map(|(kind, parameter)| match parameter {
+        Some(parameter) => shown(page, kind, &parameter.numbers(kind)),
+        None if kind == ParameterKind::OwnBlur => shown(page, kind, &blurs),
+        None => shown(page, kind, &[]),
+    })
+    .filter(|shown| !shown.entries.is_empty())
     .collect()
 }
 
@@ -307,8 +286,9 @@ impl Shown<'_> {
                 let values: Vec<f64> = several.iter().filter_map(|e| e.number.value).collect();
                 let range = range(values.iter().copied(), 4);
                 let mut note = format!(
-                    "from the smallest to the largest value at {} incidence angles",
-                    several.len()
+                    "from the smallest to the largest value at {} {}",
+                    several.len(),
+                    self.places()
                 );
                 if values.len() < several.len() {
                     note.push_str(&format!(
@@ -328,6 +308,14 @@ impl Shown<'_> {
         )
     }
 
+    /// Returns what tells several numbers of the parameter apart.
+    fn places(&self) -> &'static str {
+        match self.kind {
+            ParameterKind::OwnBlur => "distances",
+            _ => "incidence angles",
+        }
+    }
+
     /// Writes the number of the first screen.
     fn brief(&self) -> String {
         let value = match &self.entries[..] {
@@ -338,7 +326,11 @@ impl Shown<'_> {
         let note = match errors.clone().count() {
             0 => "no standard error".into(),
             1 => format!("standard error {}", range(errors, 2)),
-            many => format!("standard errors {} at {many} angles", range(errors, 2)),
+            many => format!(
+                "standard errors {} at {many} {}",
+                range(errors, 2),
+                self.places()
+            ),
         };
         let unit = match self.unit {
             "" => String::new(),
@@ -387,9 +379,7 @@ impl Shown<'_> {
                 "" => self.symbol.to_owned(),
                 unit => format!("{} <small>{unit}</small>", self.symbol),
             },
-            entry
-                .incidence_deg
-                .map_or("all".to_owned(), |angle| format!("{angle}\u{b0}")),
+            entry.id.place().unwrap_or("all".to_owned()),
             entry
                 .number
                 .value
@@ -426,15 +416,15 @@ impl Shown<'_> {
         let known = || {
             self.entries
                 .iter()
-                .filter_map(|e| Some((e.incidence_deg?, e.number.value?, e.interval()?)))
+                .filter_map(|e| Some((e.id.at?, e.number.value?, e.interval()?)))
         };
-        if known().count() < 2 {
+        if known().count() < 2 || self.kind == ParameterKind::OwnBlur {
             return None;
         }
         let planted: Vec<[f64; 2]> = self
             .entries
             .iter()
-            .filter_map(|e| Some([e.incidence_deg?, e.truth?]))
+            .filter_map(|e| Some([e.id.at?, e.truth?]))
             .collect();
         let values = known().flat_map(|(_, _, interval)| interval);
         let panel = Panel {

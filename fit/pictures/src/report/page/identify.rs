@@ -85,9 +85,8 @@ pub(crate) fn section(page: &Page) -> String {
 /// Returns the symbol of a parameter, with its incidence if it has one, and its unit.
 fn symbol_at(id: ParameterId) -> (String, &'static str) {
     let (symbol, _, unit) = symbol(id.kind);
-    let at = id
-        .incidence_deg
-        .map_or(String::new(), |angle| format!(" at {angle}\u{b0}"));
+    let at = id.place();
+    let at = at.map_or(String::new(), |place| format!(" at {place}"));
     (format!("{symbol}{at}"), unit)
 }
 
@@ -204,9 +203,7 @@ fn value(page: &Page, id: ParameterId) -> Option<f64> {
     match parameter {
         Parameter::Shared(number) => number.value,
         Parameter::PerAngle { per_angle } => {
-            let at_angle = per_angle
-                .iter()
-                .find(|p| Some(p.incidence_deg) == id.incidence_deg);
+            let at_angle = per_angle.iter().find(|p| Some(p.incidence_deg) == id.at);
             at_angle?.value
         }
     }
@@ -244,7 +241,7 @@ impl Pair {
                     .and_then(|truth| Some([truth.of(size)?, truth.of(id)?]));
                 Some(Pair {
                     symbol: symbol(id.kind).0.to_owned(),
-                    incidence_deg: id.incidence_deg,
+                    incidence_deg: id.at,
                     error_c: 100.0 * error_c / c_mm,
                     error_spread: 100.0 * error_spread / spread,
                     correlation: of(c, i)? / (error_c * error_spread),

@@ -408,10 +408,7 @@ impl Search<'_> {
             .into_iter()
             .map(|(kernel, shape)| self.of_blur_by(kernel, shape));
         let of_rays = of_rays.chain(self.of_waves());
-        let others = self.of_common_errors().into_iter();
-        of_rays
-            .chain(others.chain(self.of_another_focus()))
-            .collect()
+        of_rays.chain(self.of_common_errors()).collect()
     }
 
     /// Returns dihedral errors that all cubes share, if the table says which cubes return the light.
@@ -422,7 +419,7 @@ impl Search<'_> {
             return None;
         }
         let fit = self.at_least_anew(self.scene, &[choice])?.fit;
-        let errors = Layout::new(choice, self.scene.groups.len()).common_errors();
+        let errors = Layout::of(choice, self.scene).common_errors();
         let errors: Vec<f64> = errors.map(|k| fit.solution.parameters[k]).collect();
         let what = format!(
             "the dihedral angles of all cubes are off by {}",

@@ -1,15 +1,13 @@
-//! Suspects of the floating distances: all are off by one length, as if they were measured from
-//! another plane than the sheet; and the photographs at one of them have another focus.
+//! The suspect that all floating distances are off by one length, as if they were measured from
+//! another plane than the sheet.
 
 use nalgebra::DVector;
 
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::loss::Loss;
-use crate::estimate::search::score::possible;
 use crate::estimate::search::select::CLEAR;
 use crate::estimate::trust::suspects::{Alternative, FINE, Search};
-use crate::model::Further;
 use edges::names::Kernel;
 use edges::numerics::{Stop, least_squares};
 
@@ -55,55 +53,6 @@ impl Search<'_> {
         });
     }
 
-    /// Returns a worse focus than that of the reference at each of the distances of the worst
-    /// photographs, if there are several.
-    pub(super) fn of_another_focus(&self) -> Vec<Alternative> {
-        const MOST: usize = 3;
-        let shots = &self.scene.shots;
-        let mut distances: Vec<f64> = Vec::new();
-        for &i in &self.goodness.worst_first {
-            if !distances.contains(&shots[i].r_mm) {
-                distances.push(shots[i].r_mm);
-            }
-        }
-        if distances.len() < 2 || !possible(self.scene, self.fit.choice.kernel).own_blur {
-            return Vec::new();
-        }
-        let all = distances.into_iter().take(MOST);
-        all.filter_map(|r_mm| self.another_focus(r_mm)).collect()
-    }
-
-    fn another_focus(&self, r_mm: f64) -> Option<Alternative> {
-        let own = self.fit.choice;
-        let choice = Choice {
-            further: own.further.and(Further::OWN_BLUR),
-            ..own
-        };
-        let shots = self.scene.shots.iter().map(|shot| Aerial {
-            has_own_blur: shot.r_mm == r_mm,
-            ..shot.clone()
-        });
-        let scene = self.scene.with(shots.collect());
-        let fit = self.at_least_anew(&scene, &[choice])?.fit;
-        let column = Layout::new(choice, scene.groups.len()).own_blur()?;
-        let variance_mm2 = fit.solution.parameters[column];
-        // What is sharper than the reference is seldom a matter of focus.
-        let blur_mm = (variance_mm2 > 0.0).then(|| variance_mm2.sqrt())?;
-        let what = format!(
-            "the photographs at {r_mm} mm are blurred by {:.2} px more than the reference, and the \
-            others are not (another focus: photograph them again, focused on their edge)",
-            blur_mm / scene.optics.camera.pitch_mm
-        );
-        let there = self.scene.shots.iter().filter(|shot| shot.r_mm == r_mm);
-        let captures = there.map(|shot| shot.image.clone()).collect();
-        Some(Alternative {
-            choices: vec![choice],
-            cost: CLEAR,
-            is_blur: true,
-            ..self.alternative(what, captures, scene)
-        })
-    }
-
     /// Returns the offset that fits the MTFs best, mm, and the scene with it.
     fn offset(&self, choice: Choice) -> Option<(f64, Scene)> {
         let start = self
@@ -112,7 +61,7 @@ impl Search<'_> {
             .solution
             .parameters;
         let mean_mm = self.scene.mean_distance_mm();
-        let layout = Layout::new(choice, self.scene.groups.len());
+        let layout = Layout::of(choice, self.scene);
         let last = layout.parameters();
         let evaluate = |at: &DVector<f64>| {
             let blur = at.rows(0, last).into_owned();

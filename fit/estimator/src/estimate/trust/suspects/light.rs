@@ -41,7 +41,7 @@ impl Search<'_> {
             return Ok(Vec::new());
         };
         let (choice, at) = (self.fit.choice, &self.fit.solution.parameters);
-        let layout = |scene: &Scene| Layout::new(choice, scene.groups.len());
+        let layout = |scene: &Scene| Layout::of(choice, scene);
         let contrasts = contrasts_at(self.scene, &layout(self.scene), at);
         let of = |own: &Scatter| own.squares() - own.freedom as f64;
         let told = |own: &Otherwise| {
@@ -66,7 +66,7 @@ impl Search<'_> {
             }
             let named = self.at_least(&own.scene, &own.choices).and_then(|found| {
                 let (choice, at) = (found.fit.choice, &found.fit.solution.parameters);
-                let layout = Layout::new(choice, own.scene.groups.len());
+                let layout = Layout::of(choice, &own.scene);
                 let contrasts = contrasts_at(&own.scene, &layout, at);
                 let scatter = scatter_of(&own.scene, &layout, &contrasts);
                 let left = of(&scatter) + own.cost;
@@ -121,7 +121,7 @@ impl Search<'_> {
                 let other = shares
                     .of(own, is_own, conditions)
                     .filter(|&share| share > 0.0)?;
-                let value = mu[shot.group];
+                let value = mu[shot.place.group];
                 let share = shot.direction.returned.retroreflected;
                 let ln = (value.value * share / other).ln();
                 groups.push((ln, value.standard_error / value.value));
@@ -160,7 +160,7 @@ impl Search<'_> {
         let i = self.unlike()?;
         let shots = &self.scene.shots;
         let own = self.fit.choice.per_angle_mu;
-        let beside = |shot: &&Aerial| !own || shot.group == shots[i].group;
+        let beside = |shot: &&Aerial| !own || shot.place.group == shots[i].place.group;
         let beside: Vec<String> = shots
             .iter()
             .filter(beside)

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector, Matrix3};
 
 use crate::compare::Weights;
 use crate::estimate::scene::perturbed::{Conditions, OtherIndex};
-use crate::estimate::scene::{Aerial, Scene};
+use crate::estimate::scene::{Aerial, Place, Scene};
 use crate::estimate::search::compared::compare;
 use crate::estimate::search::layout::{Choice, Layout};
 use crate::estimate::search::optimum::Optimum;
@@ -60,7 +60,7 @@ impl<'a> Trials<'a> {
             .collect();
         groups.sort_by(f64::total_cmp);
         groups.dedup();
-        let layout = Layout::new(self.choice, groups.len());
+        let layout = Layout::new(self.choice, groups.len(), self.scene.distances_mm.len());
         let size = layout.parameters();
         let mut normal = DMatrix::zeros(size + 1, size + 1);
         let mut observations = 0_usize;
@@ -141,10 +141,14 @@ impl<'a> Trials<'a> {
     /// Compares a photograph, under other conditions, with the model at the parameters of its
     /// incidence there.
     fn compared(&self, shot: &Aerial, moved: &Aerial) -> Normal {
-        let layout = Layout::new(self.choice, self.scene.groups.len());
+        let layout = Layout::of(self.choice, self.scene);
         let mut groups = self.scene.groups.iter();
         let group = groups.position(|&deg| deg == moved.incidence_deg);
-        let blur = layout.blur(self.at, group.unwrap_or(shot.group));
+        let place = Place {
+            group: group.unwrap_or(shot.place.group),
+            ..shot.place
+        };
+        let blur = layout.blur(self.at, place);
         let part = compare(moved, None, self.choice, blur);
         let weighed = |values: &Vec<f64>| shot.view.weigh(Weights::Noise, values);
         let mut derivatives = part.derivatives.iter().map(weighed);
