@@ -97,7 +97,7 @@ pub(crate) struct Arguments {
     /// Spatial frequencies in the image, 1/mm.
     ///
     /// Without this option there are 101, from 0 to where the last of the MTFs is below a tenth.
-    #[arg(long, value_name = "LIST", value_parser = terminal::list)]
+    #[arg(long, value_name = "LIST", value_parser = parse::not_negatives)]
     pub frequency: Option<std::vec::Vec<f64>>,
     /// Model that is required.
     ///

@@ -56,6 +56,7 @@ readers! {
     positives: Vec<f64> = within_all(Bounds::POSITIVE);
     share: f64 = within(Bounds::SHARE);
     not_negative: f64 = within(Bounds::NOT_NEGATIVE);
+    not_negatives: Vec<f64> = within_all(Bounds::NOT_NEGATIVE);
     incidence: f64 = within(Bounds::INCIDENCE);
     incidences: Vec<f64> = within_all(Bounds::INCIDENCE);
     turn: f64 = within(Bounds::TURN);

@@ -59,10 +59,10 @@ pub(crate) struct Arguments {
         value_parser = parse::positive
     )]
     pub distance: f64,
-    /// Incidence at which the lobe is nearest, degrees.
-    #[arg(long, value_name = "DEG", default_value = "0", value_parser = parse::incidence)]
-    pub incidence: f64,
-    /// Azimuth of the light, degrees; that of the table if it holds one.
+    /// Incidence at which the lobe is nearest, degrees; 0 if left out.
+    #[arg(long, value_name = "DEG", value_parser = parse::incidence)]
+    pub incidence: Option<f64>,
+    /// Azimuth of the light at which it is nearest, degrees; that of the table if it holds one.
     #[arg(long, value_name = "DEG", value_parser = parse::turn,
         allow_negative_numbers = true)]
     pub azimuth: Option<f64>,
@@ -77,6 +77,13 @@ pub(crate) struct Arguments {
 /// Fails if the result or the table cannot be used, if the table lacks the direction, or if the
 /// output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let place = arguments.incidence.or(arguments.azimuth);
+    if arguments.to == Target::Mitsuba && place.is_some() {
+        return Err(Failure::conflict(
+            "fit export",
+            "--to mitsuba is the sheet at all angles; leave out --incidence and --azimuth",
+        ));
+    }
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     let result = read_result(&arguments.result)?;
@@ -93,15 +100,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let azimuth = arguments.azimuth.or(parse::only_azimuth(&table));
-    let lobe = nearest(
-        &result,
-        &table,
-        arguments.distance,
-        arguments.incidence,
-        azimuth,
-    )?;
+    let incidence_deg = arguments.incidence.unwrap_or(0.0);
+    let lobe = nearest(&result, &table, arguments.distance, incidence_deg, azimuth)?;
     let place = Viewpoint {
-        incidence_deg: arguments.incidence,
+        incidence_deg,
         azimuth_deg: azimuth.filter(|_| !table.axes.is_mean()),
         r_mm: arguments.distance,
     };

@@ -353,5 +353,12 @@ fn the_table_of_ideal_cubes_gives_back_cubes_with_errors() {
         "{}",
         run.err
     );
+    // The sheet itself is no lobe that is nearest somewhere.
+    let run = fit(
+        here,
+        &format!("export ideal.json --table ideal.h5 --to mitsuba --incidence 20 {place}"),
+    );
+    assert_eq!(run.code, Some(2), "{}", run.err);
+    assert!(run.err.contains("--incidence"), "{}", run.err);
     assert!(!here.join("scene.xml").exists());
 }

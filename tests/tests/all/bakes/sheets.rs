@@ -137,7 +137,7 @@ fn what_is_no_sheet_is_refused() {
     let here = folder.path();
     let table = argument("tables/tests/kept/version_1_exact.h5");
     let place = "--distance 300 --incidence 10";
-    let cases: [(&str, i32, &str); 5] = [
+    let cases: [(&str, i32, &str); 6] = [
         ("--sheet prism", 2, "prism-0.1"),
         ("--sheet prism-0.1 --c 0.2", 2, "cannot be used with"),
         (
@@ -146,6 +146,7 @@ fn what_is_no_sheet_is_refused() {
             "cannot be used with",
         ),
         ("--mu 0.5", 2, "name a sheet"),
+        ("--sheet prism-0.1 --frequency=-1", 2, "must be 0, or from"),
         (
             &format!("--sheet hollow-0.2 --table {table}"),
             2,
