@@ -328,6 +328,15 @@ impl Scene {
         Some(off.fold(0.0, f64::max).to_degrees())
     }
 
+    /// Returns whether there are several photographs at each floating distance.
+    pub fn repeats_distances(&self) -> bool {
+        let at = |distance: usize| {
+            let shots = self.shots.iter();
+            shots.filter(move |shot| shot.place.distance == distance)
+        };
+        (0..self.distances_mm.len()).all(|distance| at(distance).count() > 1)
+    }
+
     /// Returns the mean floating distance, mm.
     pub fn mean_distance_mm(&self) -> f64 {
         self.shots.iter().map(|s| s.r_mm).sum::<f64>() / self.shots.len() as f64

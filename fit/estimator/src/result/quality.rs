@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::{Chances, Diagnosis, Goodness, Ranked, Suspect, Verdict, Worst};
+use crate::model::OwnBlur;
 use edges::names::{Kernel, LobeShape};
 
 /// Quality of a fit.
@@ -72,6 +73,9 @@ pub struct Candidate {
     /// True if the model has a blur of the mid-air photographs that the reference does not have.
     #[serde(default, skip_serializing_if = "is_false")]
     pub own_blur: bool,
+    /// True if it has one such blur for each floating distance.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub own_blur_per_distance: bool,
     /// True if the model has an angular spread.
     #[serde(default, skip_serializing_if = "is_false")]
     pub angular_spread: bool,
@@ -98,6 +102,7 @@ pub(super) fn candidate(row: &Ranked) -> Candidate {
         sharing: sharing(kernel, row.choice.per_angle_a),
         criterion: row.criterion,
         own_blur: row.choice.further.has_own_blur(),
+        own_blur_per_distance: row.choice.further.own_blur == OwnBlur::PerDistance,
         angular_spread: row.choice.further.angular_spread,
         dihedral_errors: row.choice.further.common_errors,
         loss: row.chi2,

@@ -87,7 +87,8 @@ pub(crate) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
     if from.reduced_chi2() <= FAR {
         return from.clone();
     }
-    let fits = opened(scene, from.choice).map(|choice| rough(scene, choice));
+    let fits = opened(scene, from.choice).filter(|&choice| may_be_taken(scene, choice));
+    let fits = fits.map(|choice| rough(scene, choice));
     // Dihedral errors bend to any mistake; about those that still do not fit, light would look uneven.
     let fits = fits.filter(|fit| {
         let is_near = !fit.choice.further.common_errors || fit.reduced_chi2() <= FAR;
@@ -98,6 +99,12 @@ pub(crate) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
     found
         .min_by(|a, b| a.criterion(1.0).total_cmp(&b.criterion(1.0)))
         .unwrap_or_else(|| from.clone())
+}
+
+/// Returns whether a candidate may be the estimate. A blur of each photograph would bend to any mistake:
+/// where distances are not repeated, it is only a rival, whose difference the errors include.
+fn may_be_taken(scene: &Scene, choice: Choice) -> bool {
+    choice.further.own_blur != OwnBlur::PerDistance || scene.repeats_distances()
 }
 
 /// Returns a candidate with each set of further blurs that it may have.
@@ -175,17 +182,19 @@ pub(crate) fn added<'a>(
     };
     let rows: Vec<Ranked> = fits.iter().map(row).collect();
     let misfit = criteria.misfit(selection.compared.iter().chain(&rows));
-    let least = |rows: &[Ranked]| {
-        let all = rows.iter().map(|row| criteria.of(row, misfit));
+    let least = |rows: &mut dyn Iterator<Item = &Ranked>| {
+        let all = rows.map(|row| criteria.of(row, misfit));
         all.fold(f64::INFINITY, f64::min)
     };
+    let can_be = |row: &Ranked| may_be_taken(scene, row.choice);
     let before = criteria.misfit(selection.compared.iter());
     let explains = |row| explains(before, criteria.misfit(std::iter::once(row)));
-    let (plain, widened) = (least(&selection.compared), least(&rows));
+    let plain = least(&mut selection.compared.iter());
+    let widened = least(&mut rows.iter().filter(|row| can_be(row)));
     let mut order: Vec<usize> = (0..rows.len())
         .filter(|&i| {
             let own = criteria.of(&rows[i], misfit);
-            explains(&rows[i]) && own < plain - CLEAR && own <= widened + CLEAR
+            can_be(&rows[i]) && explains(&rows[i]) && own < plain - CLEAR && own <= widened + CLEAR
         })
         .collect();
     // The sort is stable, so equals keep their order of preference.

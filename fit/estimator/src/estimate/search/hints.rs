@@ -47,7 +47,13 @@ impl Hint {
         let place = |id| other.parameters.iter().position(|own| own == id);
         let places: Vec<Option<usize>> = fit.parameters.iter().map(place).collect();
         let (own, coordinates) = (fit.coordinates(), other.coordinates());
-        let change = |i: usize| places[i].map_or(0.0, |k| coordinates[k] - own[i]);
+        let further = fit.kernel_parameters()..fit.blur_parameters();
+        let change = |i: usize| match places[i] {
+            Some(k) => coordinates[k] - own[i],
+            // The other one has none of this blur.
+            None if further.contains(&i) => -own[i],
+            None => 0.0,
+        };
         let covariance = |of: &Estimate, i: usize, j: usize| {
             of.covariance[(i, j)] / (of.slopes[i] * of.slopes[j])
         };

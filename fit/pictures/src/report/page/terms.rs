@@ -4,7 +4,7 @@ use edges::names::Kernel;
 use edges::names::LobeShape;
 use estimator::estimate::CLEAR;
 use estimator::estimate::Kind;
-use estimator::result::{Candidate, Parameter, ResultFile, sharing};
+use estimator::result::{Candidate, OwnBlur, Parameter, ResultFile, sharing};
 
 use crate::report::page::markup::{Row, grouped, table};
 use crate::report::page::shown::Page;
@@ -116,13 +116,19 @@ fn is_chosen(candidate: &Candidate, result: &ResultFile) -> bool {
         && candidate.lobe == result.lobe
         && candidate.sharing == sharing(result.kernel, per_angle)
         && candidate.own_blur == result.own_blur_px.is_some()
+        && candidate.own_blur_per_distance
+            == matches!(result.own_blur_px, Some(OwnBlur::PerDistance { .. }))
         && candidate.angular_spread == result.angular_spread_mrad.is_some()
         && candidate.dihedral_errors == result.dihedral_errors_mrad.is_some()
 }
 
 /// Describes how the spread of a candidate is shared, and its further blurs.
 fn shared(candidate: &Candidate) -> String {
-    let own = candidate.own_blur.then_some(", own blur");
+    let own = match (candidate.own_blur, candidate.own_blur_per_distance) {
+        (_, true) => Some(", own blur per distance"),
+        (true, false) => Some(", own blur"),
+        (false, false) => None,
+    };
     let angular = candidate.angular_spread.then_some(", angular spread");
     let errors = candidate.dihedral_errors.then_some(", dihedral errors");
     let further: String = own.into_iter().chain(angular).chain(errors).collect();
