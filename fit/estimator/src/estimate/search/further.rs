@@ -89,9 +89,12 @@ pub(crate) fn nearer(scene: &Scene, from: &Optimum) -> Optimum {
     }
     let fits = opened(scene, from.choice).filter(|&choice| may_be_taken(scene, choice));
     let fits = fits.map(|choice| rough(scene, choice));
-    // Dihedral errors bend to any mistake; about those that still do not fit, light would look uneven.
+    // Dihedral errors, and blurs of each distance, bend to any mistake; about those that still do not
+    // fit, light would look uneven.
     let fits = fits.filter(|fit| {
-        let is_near = !fit.choice.further.common_errors || fit.reduced_chi2() <= FAR;
+        let further = fit.choice.further;
+        let bends = further.common_errors || further.own_blur == OwnBlur::PerDistance;
+        let is_near = !bends || fit.reduced_chi2() <= FAR;
         is_near && explains(from.reduced_chi2(), fit.reduced_chi2())
     });
     let all = fits.chain(std::iter::once(from.clone()));
